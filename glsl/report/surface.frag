@@ -1,0 +1,25 @@
+// Report, section 2.4: the texture alone, red lines, or blue control points.
+
+in TES_OUT {
+    vec2 texCoord;
+} fs_in;
+
+out vec4 FragColor;
+
+layout(binding = 0) uniform sampler2D textureSurface;
+layout(location = 21) uniform bool wireframe;
+layout(location = 22) uniform bool showControlPoints;
+
+void main()
+{
+    vec4 color = texture(textureSurface, fs_in.texCoord);
+#ifdef TRIMMED
+    if (cut(fs_in.texCoord))
+        discard;
+#endif
+    if (showControlPoints)
+        color = vec4(0.0, 0.5, 1.0, 1.0);
+    else if (wireframe)
+        color = vec4(1.0, 0.0, 0.0, 1.0);
+    FragColor = vec4(color.rgb, 1.0);
+}

@@ -1,0 +1,363 @@
+//! Bézier curves and patches in `f64`: the oracle that everything drawn is measured against.
+//!
+//! A patch holds 4×4 (bicubic) or 5×5 (biquartic) control points row by row: `u` runs along a row,
+//! `v` from row to row.
+//!
+//! ```text
+//!  v
+//!  ^   12 13 14 15        row 3        A point is (x, y, z, w): a place and its weight.
+//!  |    8  9 10 11        row 2        Weight 1 everywhere makes the patch polynomial,
+//!  |    4  5  6  7        row 1        anything else rational.
+//!  |    0  1  2  3        row 0
+//!  +-------------> u
+//! ```
+
+use glam::{DVec3, DVec4};
+
+use crate::{Error, Result};
+
+/// The most control points along one side of a patch.
+const MAX_SIDE: usize = 5;
+
+/// Degree of a patch in both directions; it fixes the number of control points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Degree {
+    /// Degree 3: 4×4 control points, as in the thesis.
+    Cubic,
+    /// Degree 4: 5×5 control points, as in the report.
+    Quartic,
+}
+
+impl Degree {
+    /// Control points along one side: 4 or 5.
+    #[must_use]
+    pub const fn side(self) -> usize {
+        match self {
+            Self::Cubic => 4,
+            Self::Quartic => 5,
+        }
+    }
+
+    /// Control points of a whole patch: 16 or 25.
+    #[must_use]
+    pub const fn points(self) -> usize {
+        self.side() * self.side()
+    }
+
+    /// The degree of a patch of so many control points.
+    ///
+    /// # Errors
+    /// Any count but 16 and 25.
+    pub fn from_point_count(count: usize) -> Result<Self> {
+        match count {
+            16 => Ok(Self::Cubic),
+            25 => Ok(Self::Quartic),
+            _ => Err(Error::invalid(
+                "number of control points",
+                count,
+                "16 (4×4) or 25 (5×5)",
+            )),
+        }
+    }
+}
+
+/// Refuses a control point that is not finite or whose weight is not positive.
+///
+/// # Errors
+/// Names the point by its index.
+pub fn check_control_point(point: DVec4, index: usize) -> Result<()> {
+    if !point.truncate().is_finite() {
+        return Err(Error::invalid(
+            format!("control point {index}"),
+            point.truncate(),
+            "finite coordinates",
+        ));
+    }
+    if !(point.w.is_finite() && point.w > 0.0) {
+        return Err(Error::invalid(
+            format!("weight of control point {index}"),
+            point.w,
+            "a finite number above 0",
+        ));
+    }
+    Ok(())
+}
+
+/// A control point in homogeneous coordinates: (x·w, y·w, z·w, w).
+#[must_use]
+pub fn homogeneous(point: DVec4) -> DVec4 {
+    (point.truncate() * point.w).extend(point.w)
+}
+
+/// Bernstein polynomial `i` of the given degree at `t`.
+#[must_use]
+pub fn bernstein(degree: usize, i: usize, t: f64) -> f64 {
+    let mut binomial = 1.0;
+    for j in 1..=i {
+        binomial *= (degree + 1 - j) as f64 / j as f64;
+    }
+    binomial * t.powi(i as i32) * (1.0 - t).powi((degree - i) as i32)
+}
+
+/// Where de Casteljau's algorithm ends on a curve, and the last two points it blends: their
+/// difference, projected, is the direction of the tangent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DeCasteljau {
+    /// The point of the curve.
+    pub point: DVec4,
+    /// The two points of the last step but one.
+    pub last: [DVec4; 2],
+}
+
+/// De Casteljau's algorithm on two to five points, at `t`.
+///
+/// # Panics
+/// With fewer than two or more than five points.
+#[must_use]
+pub fn de_casteljau(points: &[DVec4], t: f64) -> DeCasteljau {
+    assert!(
+        (2..=MAX_SIDE).contains(&points.len()),
+        "a curve of a patch has 2 to 5 control points"
+    );
+    let mut blended = [DVec4::ZERO; MAX_SIDE];
+    blended[..points.len()].copy_from_slice(points);
+    for count in (2..points.len()).rev() {
+        for i in 0..count {
+            blended[i] = blended[i] * (1.0 - t) + blended[i + 1] * t;
+        }
+    }
+    DeCasteljau {
+        point: blended[0] * (1.0 - t) + blended[1] * t,
+        last: [blended[0], blended[1]],
+    }
+}
+
+/// Value and first derivatives of a patch at one (u, v).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// The point S(u, v).
+    pub position: DVec3,
+    /// ∂S/∂u.
+    pub du: DVec3,
+    /// ∂S/∂v.
+    pub dv: DVec3,
+}
+
+/// One patch, borrowed from the control points of its surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patch<'a> {
+    degree: Degree,
+    points: &'a [DVec4],
+}
+
+impl<'a> Patch<'a> {
+    /// A patch over `degree.points()` control points (x, y, z, weight).
+    ///
+    /// # Panics
+    /// If the number of points is not that of the degree.
+    #[must_use]
+    pub fn new(degree: Degree, points: &'a [DVec4]) -> Self {
+        assert_eq!(points.len(), degree.points(), "control points of a patch");
+        Self { degree, points }
+    }
+
+    /// The degree in both directions.
+    #[must_use]
+    pub const fn degree(&self) -> Degree {
+        self.degree
+    }
+
+    /// The control points, row by row.
+    #[must_use]
+    pub const fn points(&self) -> &'a [DVec4] {
+        self.points
+    }
+
+    /// Homogeneous control points of row `v_index`, first `side()` entries.
+    pub(crate) fn homogeneous_row(&self, row: usize) -> [DVec4; MAX_SIDE] {
+        let side = self.degree.side();
+        let mut points = [DVec4::ZERO; MAX_SIDE];
+        for (to, from) in points.iter_mut().zip(&self.points[row * side..][..side]) {
+            *to = homogeneous(*from);
+        }
+        points
+    }
+
+    /// The homogeneous point H(u, v) with ∂H/∂u and ∂H/∂v, by Bernstein polynomials.
+    fn homogeneous_at(&self, u: f64, v: f64) -> [DVec4; 3] {
+        let side = self.degree.side();
+        let degree = side - 1;
+        let basis = |t: f64| {
+            let mut value = [0.0; MAX_SIDE];
+            let mut slope = [0.0; MAX_SIDE];
+            for i in 0..side {
+                value[i] = bernstein(degree, i, t);
+                let below = if i > 0 { bernstein(degree - 1, i - 1, t) } else { 0.0 };
+                let here = if i < degree { bernstein(degree - 1, i, t) } else { 0.0 };
+                slope[i] = degree as f64 * (below - here);
+            }
+            (value, slope)
+        };
+        let (bu, bu_slope) = basis(u);
+        let (bv, bv_slope) = basis(v);
+        let mut sum = [DVec4::ZERO; 3];
+        for row in 0..side {
+            for column in 0..side {
+                let point = homogeneous(self.points[row * side + column]);
+                sum[0] += point * (bu[column] * bv[row]);
+                sum[1] += point * (bu_slope[column] * bv[row]);
+                sum[2] += point * (bu[column] * bv_slope[row]);
+            }
+        }
+        sum
+    }
+
+    /// Value and first derivatives at (u, v), rational patches by the quotient rule.
+    #[must_use]
+    pub fn at(&self, u: f64, v: f64) -> SurfacePoint {
+        let [value, du, dv] = self.homogeneous_at(u, v);
+        let position = value.truncate() / value.w;
+        SurfacePoint {
+            position,
+            du: (du.truncate() - position * du.w) / value.w,
+            dv: (dv.truncate() - position * dv.w) / value.w,
+        }
+    }
+
+    /// Unit normal Su × Sv, or `None` where the tangents are parallel or vanish (relative to their
+    /// lengths, so that the size of the model does not matter).
+    #[must_use]
+    pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
+        const PARALLEL: f64 = 1e-12;
+        let point = self.at(u, v);
+        let cross = point.du.cross(point.dv);
+        let scale = point.du.length() * point.dv.length();
+        (scale > 0.0 && cross.length() > PARALLEL * scale).then(|| cross.normalize())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bump(degree: Degree) -> Vec<DVec4> {
+        let side = degree.side();
+        (0..degree.points())
+            .map(|i| {
+                let (x, z) = ((i % side) as f64, (i / side) as f64);
+                DVec4::new(x, (x * 1.3).sin() + (z * 0.7).cos(), -z, 1.0)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn bernstein_polynomials_sum_to_one_and_match_the_closed_forms() {
+        for degree in [2, 3, 4] {
+            for step in 0..=10 {
+                let t = f64::from(step) / 10.0;
+                let sum: f64 = (0..=degree).map(|i| bernstein(degree, i, t)).sum();
+                assert!((sum - 1.0).abs() < 1e-14);
+            }
+        }
+        assert!((bernstein(3, 1, 0.25) - 3.0 * 0.25 * 0.75 * 0.75).abs() < 1e-15);
+        assert!((bernstein(4, 2, 0.5) - 6.0 / 16.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn de_casteljau_and_bernstein_agree() {
+        for degree in [Degree::Cubic, Degree::Quartic] {
+            let points = bump(degree);
+            let patch = Patch::new(degree, &points);
+            let side = degree.side();
+            for step in 0..=100 {
+                let (u, v) = (f64::from(step % 11) / 10.0, f64::from(step / 11) / 9.0);
+                let mut column = [DVec4::ZERO; MAX_SIDE];
+                for (row, point) in column.iter_mut().enumerate().take(side) {
+                    *point = de_casteljau(&patch.homogeneous_row(row)[..side], u).point;
+                }
+                let end = de_casteljau(&column[..side], v);
+                let expected = patch.at(u, v);
+                assert!((end.point.truncate() - expected.position).length() < 1e-13);
+                let tangent = (end.last[1] - end.last[0]).truncate() * (side - 1) as f64;
+                assert!((tangent - expected.dv).length() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_match_central_differences_on_a_rational_patch() {
+        let mut points = bump(Degree::Cubic);
+        for (i, point) in points.iter_mut().enumerate() {
+            point.w = 0.5 + (i % 5) as f64 * 0.4;
+        }
+        let patch = Patch::new(Degree::Cubic, &points);
+        let h = 1e-6;
+        for (u, v) in [(0.2, 0.3), (0.5, 0.9), (0.71, 0.11)] {
+            let at = patch.at(u, v);
+            let du = (patch.at(u + h, v).position - patch.at(u - h, v).position) / (2.0 * h);
+            let dv = (patch.at(u, v + h).position - patch.at(u, v - h).position) / (2.0 * h);
+            assert!((at.du - du).length() < 1e-7 && (at.dv - dv).length() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn a_rational_quarter_circle_is_round() {
+        // The classic quadratic arc (weights 1, √½, 1), raised to degree 3 along u, straight along v.
+        let s = std::f64::consts::FRAC_1_SQRT_2;
+        let w = (1.0 + 2.0 * s) / 3.0;
+        let arc = [
+            DVec4::new(1.0, 0.0, 0.0, 1.0),
+            DVec4::new(1.0, 2.0 * s / (1.0 + 2.0 * s), 0.0, w),
+            DVec4::new(2.0 * s / (1.0 + 2.0 * s), 1.0, 0.0, w),
+            DVec4::new(0.0, 1.0, 0.0, 1.0),
+        ];
+        let points: Vec<DVec4> = (0..16)
+            .map(|i| arc[i % 4] + DVec4::Z * (i / 4) as f64)
+            .collect();
+        let patch = Patch::new(Degree::Cubic, &points);
+        for step in 0..=20 {
+            let p = patch.at(f64::from(step) / 20.0, 0.4).position;
+            assert!((p.truncate().length() - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_collapsed_edge_has_no_normal_at_any_scale() {
+        for scale in [1e-6, 1.0, 1e6] {
+            let mut points = bump(Degree::Cubic);
+            for point in &mut points {
+                *point = (point.truncate() * scale).extend(1.0);
+            }
+            assert!(Patch::new(Degree::Cubic, &points).normal(0.5, 0.0).is_some());
+            for i in 0..4 {
+                points[i] = points[0];
+            }
+            assert!(Patch::new(Degree::Cubic, &points).normal(0.5, 0.0).is_none());
+        }
+    }
+
+    #[test]
+    fn only_16_and_25_points_make_a_patch() {
+        assert_eq!(Degree::from_point_count(16).unwrap(), Degree::Cubic);
+        assert_eq!(Degree::from_point_count(25).unwrap(), Degree::Quartic);
+        for count in [0, 15, 17, 24, 26] {
+            let text = Degree::from_point_count(count).unwrap_err().to_string();
+            assert!(text.contains(&count.to_string()) && text.contains("16"));
+        }
+    }
+
+    #[test]
+    fn bad_control_points_are_refused_by_index() {
+        assert!(check_control_point(DVec4::new(1.0, 2.0, 3.0, 0.5), 0).is_ok());
+        for (point, word) in [
+            (DVec4::new(f64::NAN, 0.0, 0.0, 1.0), "control point 7"),
+            (DVec4::new(0.0, f64::INFINITY, 0.0, 1.0), "finite"),
+            (DVec4::new(0.0, 0.0, 0.0, 0.0), "weight"),
+            (DVec4::new(0.0, 0.0, 0.0, -1.0), "above 0"),
+            (DVec4::new(0.0, 0.0, 0.0, f64::NAN), "weight"),
+        ] {
+            let text = check_control_point(point, 7).unwrap_err().to_string();
+            assert!(text.contains(word), "{text}");
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Where a scene is seen from. Right-handed, looking along −z of view space, y up on the screen;
+//! clip space as OpenGL has it (depth −1 … 1).
+
+use glam::dcamera::rh::proj::opengl;
+use glam::dcamera::rh::view::look_at_mat4;
+use glam::{DMat4, DVec3};
+
+use crate::{Error, Result};
+
+/// How far a framed scene stays away from the picture's border: 1 would touch it.
+const FRAME_MARGIN: f64 = 1.06;
+/// The nearest clip plane, as a part of the farthest: nearer wastes the depth buffer's precision,
+/// farther cuts scenes that the eye is inside of.
+const NEAR_OVER_FAR: f64 = 1e-4;
+
+/// How depth turns into size on the screen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Lens {
+    /// Perspective with a vertical angle of view in radians, inside (0, π).
+    Perspective {
+        /// The whole angle from the picture's lower border to its upper one.
+        fov_y_radians: f64,
+    },
+    /// Orthographic, `height` world units from the picture's lower border to its upper one.
+    Orthographic {
+        /// World units, above 0.
+        height: f64,
+    },
+}
+
+/// An eye, what it looks at, and its lens.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    eye: DVec3,
+    target: DVec3,
+    up: DVec3,
+    lens: Lens,
+}
+
+/// View and projection matrix of one picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// World space to view space.
+    pub view: DMat4,
+    /// View space to clip space.
+    pub projection: DMat4,
+}
+
+impl Camera {
+    /// A camera at `eye` that sees `target` in the middle of its picture.
+    ///
+    /// # Errors
+    /// A vector that is not finite, `eye` equal to `target`, an `up` along the line of sight, an
+    /// angle outside (0, π), a height that is not above 0.
+    pub fn new(eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Result<Self> {
+        for (name, vector) in [("camera eye", eye), ("camera target", target), ("camera up", up)] {
+            if !vector.is_finite() {
+                return Err(Error::invalid(name, vector, "finite coordinates"));
+            }
+        }
+        let sight = target - eye;
+        if sight == DVec3::ZERO {
+            return Err(Error::invalid("camera eye", eye, "a place other than the target"));
+        }
+        if sight.normalize().cross(up.normalize_or_zero()).length() < 1e-9 {
+            return Err(Error::invalid("camera up", up, "a direction off the line of sight"));
+        }
+        match lens {
+            Lens::Perspective { fov_y_radians } => {
+                if !(fov_y_radians > 0.0 && fov_y_radians < std::f64::consts::PI) {
+                    let degrees = fov_y_radians.to_degrees();
+                    return Err(Error::invalid(
+                        "camera fov_y",
+                        format!("{degrees} degrees"),
+                        "more than 0 and less than 180 degrees",
+                    ));
+                }
+            }
+            Lens::Orthographic { height } => {
+                if !(height.is_finite() && height > 0.0) {
+                    return Err(Error::invalid(
+                        "camera orthographic_height",
+                        height,
+                        "a finite number above 0",
+                    ));
+                }
+            }
+        }
+        Ok(Self { eye, target, up, lens })
+    }
+
+    /// A camera that sees all `points` from the front, a little from the right and from above, as
+    /// large as a picture of `aspect` (width over height) allows. `up` is the axis that stands
+    /// upright, `+y` or `+z`; the front is `+z` or `−y` accordingly.
+    #[must_use]
+    pub fn framing(points: impl Iterator<Item = DVec3> + Clone, up: DVec3, aspect: f64) -> Self {
+        let fov_y_radians = 40_f64.to_radians();
+        let up = up.normalize_or(DVec3::Y);
+        let front = if up.z.abs() > up.y.abs() { -DVec3::Y } else { DVec3::Z };
+        let right = up.cross(front).normalize();
+        let back = (front + 0.62 * up + 0.35 * right).normalize();
+        let screen_x = up.cross(back).normalize();
+        let screen_y = back.cross(screen_x);
+
+        let mut least = DVec3::INFINITY;
+        let mut most = DVec3::NEG_INFINITY;
+        let onto_screen = |p: DVec3| DVec3::new(p.dot(screen_x), p.dot(screen_y), p.dot(back));
+        for point in points.clone() {
+            let seen = onto_screen(point);
+            least = least.min(seen);
+            most = most.max(seen);
+        }
+        if !(least.is_finite() && most.is_finite()) {
+            (least, most) = (DVec3::NEG_ONE, DVec3::ONE);
+        }
+        let middle = (least + most) * 0.5;
+        let slope_y = (fov_y_radians * 0.5).tan() / FRAME_MARGIN;
+        let slope_x = slope_y * aspect;
+        let distance = points
+            .map(|point| {
+                let from_middle = onto_screen(point) - middle;
+                from_middle.z + (from_middle.x.abs() / slope_x).max(from_middle.y.abs() / slope_y)
+            })
+            .fold(0.0, f64::max);
+        let target = middle.x * screen_x + middle.y * screen_y + middle.z * back;
+        let distance = if distance > 0.0 { distance } else { 1.0 };
+        Self {
+            eye: target + distance * back,
+            target,
+            up,
+            lens: Lens::Perspective { fov_y_radians },
+        }
+    }
+
+    /// The eye in world space.
+    #[must_use]
+    pub const fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// The matrices for a picture of `aspect` (width over height), with clip planes that hold all
+    /// `points` in front of the eye.
+    #[must_use]
+    pub fn projection(&self, points: impl Iterator<Item = DVec3>, aspect: f64) -> Projection {
+        let view = look_at_mat4(self.eye, self.target, self.up);
+        let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        for point in points {
+            let depth = -view.transform_point3(point).z;
+            nearest = nearest.min(depth);
+            farthest = farthest.max(depth);
+        }
+        if !(nearest.is_finite() && farthest.is_finite()) {
+            (nearest, farthest) = (0.1, 10.0);
+        }
+        let size = (farthest - nearest).max(farthest.abs() * 1e-3).max(f64::MIN_POSITIVE);
+        let (nearest, farthest) = (nearest - 0.01 * size, farthest + 0.01 * size);
+        let projection = match self.lens {
+            Lens::Perspective { fov_y_radians } => {
+                let farthest = if farthest > 0.0 { farthest } else { 1.0 };
+                let nearest = nearest.max(farthest * NEAR_OVER_FAR);
+                opengl::perspective(fov_y_radians, aspect, nearest, farthest)
+            }
+            Lens::Orthographic { height } => {
+                let (half_width, half_height) = (0.5 * height * aspect, 0.5 * height);
+                opengl::orthographic(
+                    -half_width,
+                    half_width,
+                    -half_height,
+                    half_height,
+                    nearest,
+                    farthest,
+                )
+            }
+        };
+        Projection { view, projection }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    fn corners() -> Vec<DVec3> {
+        (0..8)
+            .map(|i| dvec3(f64::from(i & 1) * 4.0, f64::from(i >> 1 & 1), f64::from(i >> 2) * 2.0))
+            .collect()
+    }
+
+    #[test]
+    fn framing_shows_every_point_and_fills_the_picture() {
+        for up in [DVec3::Y, DVec3::Z] {
+            for aspect in [0.3, 1.0, 2.5] {
+                let points = corners();
+                let camera = Camera::framing(points.iter().copied(), up, aspect);
+                let seen = camera.projection(points.iter().copied(), aspect);
+                let largest = points
+                    .iter()
+                    .map(|p| (seen.projection * seen.view).project_point3(*p))
+                    .map(|ndc| {
+                        assert!(ndc.z.abs() <= 1.0);
+                        ndc.x.abs().max(ndc.y.abs())
+                    })
+                    .fold(0.0, f64::max);
+                assert!((0.8..1.0).contains(&largest), "{up} {aspect}: {largest}");
+            }
+        }
+    }
+
+    #[test]
+    fn framing_survives_no_points_and_one_point() {
+        for points in [Vec::new(), vec![dvec3(3.0, 4.0, 5.0)]] {
+            let camera = Camera::framing(points.iter().copied(), DVec3::Y, 1.0);
+            let seen = camera.projection(points.iter().copied(), 1.0);
+            assert!(seen.view.is_finite() && seen.projection.is_finite());
+        }
+    }
+
+    #[test]
+    fn an_orthographic_height_is_the_pictures_height() {
+        let camera = Camera::new(
+            DVec3::Z,
+            DVec3::ZERO,
+            DVec3::Y,
+            Lens::Orthographic { height: 3.0 },
+        )
+        .unwrap();
+        let seen = camera.projection([DVec3::ZERO].into_iter(), 2.0);
+        let ndc = (seen.projection * seen.view).project_point3(dvec3(3.0, -1.5, 0.0));
+        assert!((ndc.x - 1.0).abs() < 1e-12 && (ndc.y + 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn impossible_cameras_are_refused() {
+        let lens = Lens::Perspective { fov_y_radians: 0.8 };
+        let eye = dvec3(0.0, 1.0, 2.0);
+        assert!(Camera::new(eye, DVec3::ZERO, DVec3::Y, lens).is_ok());
+        for (camera, word) in [
+            (Camera::new(eye, eye, DVec3::Y, lens), "target"),
+            (Camera::new(eye, DVec3::ZERO, eye, lens), "line of sight"),
+            (Camera::new(eye, DVec3::ZERO, DVec3::ZERO, lens), "up"),
+            (Camera::new(eye * f64::NAN, DVec3::ZERO, DVec3::Y, lens), "eye"),
+            (
+                Camera::new(eye, DVec3::ZERO, DVec3::Y, Lens::Perspective { fov_y_radians: 3.2 }),
+                "180",
+            ),
+            (
+                Camera::new(eye, DVec3::ZERO, DVec3::Y, Lens::Orthographic { height: 0.0 }),
+                "height",
+            ),
+        ] {
+            let text = camera.unwrap_err().to_string();
+            assert!(text.contains(word), "{text}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The one error type of the crate.
+
+use std::path::PathBuf;
+
+/// Everything that can go wrong, each case in one line that says what, where and what was expected.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// An argument outside its range.
+    #[error("{name} is {value}; expected {expected}")]
+    Invalid {
+        /// What was given, in the words of the call or of the scene file.
+        name: String,
+        /// The value as given.
+        value: String,
+        /// The range or form that is accepted.
+        expected: String,
+    },
+
+    /// A scene file whose text does not describe a scene.
+    #[error("{}:{line}: {message}", path.display())]
+    Scene {
+        /// The scene file.
+        path: PathBuf,
+        /// Line in the file, counted from 1.
+        line: usize,
+        /// What is wrong there and what was expected.
+        message: String,
+    },
+
+    /// A file that cannot be read or written.
+    #[error("cannot {action} {}: {reason}", path.display())]
+    File {
+        /// `"read"`, `"write"`, …
+        action: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// The operating system's or the decoder's reason.
+        reason: String,
+    },
+
+    /// A shader that does not compile, or a program that does not link.
+    #[error("{what} failed: {log}")]
+    Shader {
+        /// Stage and source files, or the program's name.
+        what: String,
+        /// The driver's log; `file(line)` in it counts from 1 within the named file.
+        log: String,
+    },
+
+    /// No OpenGL context could be made, or the context is too old.
+    #[error("{0}")]
+    Context(String),
+
+    /// The driver could not create an object.
+    #[error("the driver could not create {what}: {reason}")]
+    Driver {
+        /// The object.
+        what: String,
+        /// The driver's reason.
+        reason: String,
+    },
+}
+
+/// Result with the crate's [`enum@Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl Error {
+    /// An [`Error::Invalid`] from anything that prints.
+    pub fn invalid(
+        name: impl Into<String>,
+        value: impl std::fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Invalid {
+            name: name.into(),
+            value: value.to_string(),
+            expected: expected.into(),
+        }
+    }
+}

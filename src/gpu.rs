@@ -1,0 +1,110 @@
+//! OpenGL objects, each with one owner that frees it and a label that a debugger shows.
+//!
+//! Every call here needs the context that made the object to be current on the calling thread, as
+//! with any OpenGL call; a library cannot check that. This room, the renderer and the headless
+//! contexts are the only places with `unsafe`.
+#![allow(unsafe_code, reason = "every call of OpenGL is unsafe in glow")]
+
+mod buffer;
+mod debug;
+mod framebuffer;
+mod program;
+mod texture;
+mod vertex_array;
+
+use glow::HasContext;
+
+pub use buffer::Buffer;
+pub use debug::DebugLog;
+pub use framebuffer::Framebuffer;
+pub use program::{Program, ShaderPart, Stage, StageKind};
+pub use texture::Texture;
+pub use vertex_array::VertexArray;
+
+use crate::{Error, Result};
+
+/// What the driver is and how much it can do, as far as the program relies on it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DriverInfo {
+    /// `GL_RENDERER`.
+    pub renderer: String,
+    /// `GL_VENDOR`.
+    pub vendor: String,
+    /// `GL_VERSION`.
+    pub version: String,
+    /// `GL_SHADING_LANGUAGE_VERSION`.
+    pub glsl_version: String,
+    /// `GL_MAX_PATCH_VERTICES`; a 5×5 patch needs 25.
+    pub max_patch_vertices: i32,
+    /// `GL_MAX_TESS_GEN_LEVEL`; the program goes to 64.
+    pub max_tess_level: i32,
+    /// The largest picture, in pixels a side.
+    pub max_size: i32,
+    /// `GL_MAX_TEXTURE_SIZE` in texels a side.
+    pub max_texture_size: i32,
+    /// `GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS`; the trims need 2.
+    pub max_fragment_storage_blocks: i32,
+    /// `GL_MAX_SAMPLES`.
+    pub max_samples: i32,
+}
+
+impl DriverInfo {
+    /// Reads the current context's names and limits.
+    #[must_use]
+    pub fn of(gl: &glow::Context) -> Self {
+        // SAFETY: the context is current (see the module); all parameters exist since OpenGL 4.3.
+        unsafe {
+            let mut viewport = [0; 2];
+            gl.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport);
+            let renderbuffer = gl.get_parameter_i32(glow::MAX_RENDERBUFFER_SIZE);
+            Self {
+                renderer: gl.get_parameter_string(glow::RENDERER),
+                vendor: gl.get_parameter_string(glow::VENDOR),
+                version: gl.get_parameter_string(glow::VERSION),
+                glsl_version: gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
+                max_patch_vertices: gl.get_parameter_i32(glow::MAX_PATCH_VERTICES),
+                max_tess_level: gl.get_parameter_i32(glow::MAX_TESS_GEN_LEVEL),
+                max_size: renderbuffer.min(viewport[0]).min(viewport[1]),
+                max_texture_size: gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE),
+                max_fragment_storage_blocks: gl
+                    .get_parameter_i32(glow::MAX_FRAGMENT_SHADER_STORAGE_BLOCKS),
+                max_samples: gl.get_parameter_i32(glow::MAX_SAMPLES),
+            }
+        }
+    }
+}
+
+/// Refuses a context older than OpenGL 4.5.
+pub(crate) fn check_version(gl: &glow::Context) -> Result<()> {
+    let version = gl.version();
+    if version.is_embedded || (version.major, version.minor) < (4, 5) {
+        return Err(Error::Context(format!(
+            "the OpenGL context has version {}.{}{}; expected 4.5 or later, core profile",
+            version.major,
+            version.minor,
+            if version.is_embedded { " ES" } else { "" },
+        )));
+    }
+    Ok(())
+}
+
+/// Waits until the driver has done everything it was told.
+pub fn finish(gl: &glow::Context) {
+    // SAFETY: the context is current (see the module).
+    unsafe { gl.finish() }
+}
+
+fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {
+    made.map_err(|reason| Error::Driver {
+        what: what.to_owned(),
+        reason,
+    })
+}
+
+/// The driver counts in `i32`.
+fn size_i32(what: &str, size: usize) -> Result<i32> {
+    i32::try_from(size).map_err(|_| Error::Driver {
+        what: what.to_owned(),
+        reason: format!("{size} is more than an OpenGL size can hold"),
+    })
+}

@@ -1,0 +1,74 @@
+use std::sync::Arc;
+
+use bytemuck::Pod;
+use glow::HasContext;
+
+use super::{create, size_i32};
+use crate::Result;
+
+/// A buffer of plain values in the driver's memory.
+pub struct Buffer {
+    gl: Arc<glow::Context>,
+    raw: glow::Buffer,
+    bytes: usize,
+}
+
+impl std::fmt::Debug for Buffer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Buffer").field("raw", &self.raw).field("bytes", &self.bytes).finish()
+    }
+}
+
+impl Buffer {
+    /// A buffer that holds `values`, which must not be empty.
+    ///
+    /// # Errors
+    /// The driver has no buffer, or 2 GiB and more are asked for.
+    pub fn new<T: Pod>(gl: &Arc<glow::Context>, label: &str, values: &[T]) -> Result<Self> {
+        let data: &[u8] = bytemuck::cast_slice(values);
+        size_i32(label, data.len())?;
+        // SAFETY: the context is current (see the module); the buffer is new and ours.
+        unsafe {
+            let raw = create(label, gl.create_named_buffer())?;
+            gl.named_buffer_data_u8_slice(raw, data, glow::DYNAMIC_DRAW);
+            gl.object_label(glow::BUFFER, raw.0.get(), Some(label));
+            Ok(Self {
+                gl: Arc::clone(gl),
+                raw,
+                bytes: data.len(),
+            })
+        }
+    }
+
+    /// Overwrites values from the one numbered `first`.
+    ///
+    /// # Panics
+    /// If the values reach beyond the end of the buffer.
+    pub fn write<T: Pod>(&self, first: usize, values: &[T]) {
+        let offset = first * size_of::<T>();
+        let data: &[u8] = bytemuck::cast_slice(values);
+        assert!(offset + data.len() <= self.bytes, "written beyond the end of a buffer");
+        // SAFETY: the context is current (see the module); the range was just checked, and the
+        // whole size fits an i32 since `new`.
+        unsafe { self.gl.named_buffer_sub_data_u8_slice(self.raw, offset as i32, data) }
+    }
+
+    /// Makes this the shader storage buffer of a binding point.
+    pub fn bind_storage(&self, binding: u32) {
+        // SAFETY: the context is current (see the module); the buffer lives as long as `self`.
+        unsafe {
+            self.gl.bind_buffer_base(glow::SHADER_STORAGE_BUFFER, binding, Some(self.raw));
+        }
+    }
+
+    pub(super) const fn raw(&self) -> glow::Buffer {
+        self.raw
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: the context is current (see the module); nothing else owns the buffer.
+        unsafe { self.gl.delete_buffer(self.raw) }
+    }
+}

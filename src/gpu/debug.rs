@@ -1,0 +1,45 @@
+use std::sync::{Arc, Mutex, PoisonError};
+
+use glow::HasContext;
+
+/// The driver's complaints about a context: errors and undefined behaviour are kept, everything goes
+/// to the log.
+#[derive(Debug, Clone, Default)]
+pub struct DebugLog {
+    errors: Arc<Mutex<Vec<String>>>,
+}
+
+impl DebugLog {
+    /// Installs the callback on a context that nobody shares yet.
+    #[must_use]
+    pub fn install(gl: &mut glow::Context) -> Self {
+        let log = Self::default();
+        let errors = Arc::clone(&log.errors);
+        // SAFETY: the context is current (see the module); the callback owns what it touches.
+        unsafe {
+            gl.enable(glow::DEBUG_OUTPUT);
+            gl.enable(glow::DEBUG_OUTPUT_SYNCHRONOUS);
+            gl.debug_message_callback(move |_source, kind, _id, severity, message| {
+                let message = message.trim();
+                if matches!(kind, glow::DEBUG_TYPE_ERROR | glow::DEBUG_TYPE_UNDEFINED_BEHAVIOR) {
+                    log::error!("OpenGL: {message}");
+                    errors
+                        .lock()
+                        .unwrap_or_else(PoisonError::into_inner)
+                        .push(message.to_owned());
+                } else if severity == glow::DEBUG_SEVERITY_HIGH {
+                    log::warn!("OpenGL: {message}");
+                } else {
+                    log::debug!("OpenGL: {message}");
+                }
+            });
+        }
+        log
+    }
+
+    /// The errors since the last call, and forgets them.
+    #[must_use]
+    pub fn take_errors(&self) -> Vec<String> {
+        std::mem::take(&mut *self.errors.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}

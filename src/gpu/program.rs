@@ -1,0 +1,299 @@
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use glam::{Mat4, Vec2};
+use glow::{HasContext, NativeUniformLocation};
+
+use super::create;
+use crate::{Error, Result};
+
+/// A stage of the pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StageKind {
+    /// Vertex.
+    Vertex,
+    /// Tessellation control.
+    TessControl,
+    /// Tessellation evaluation.
+    TessEvaluation,
+    /// Fragment.
+    Fragment,
+}
+
+impl StageKind {
+    const fn gl(self) -> u32 {
+        match self {
+            Self::Vertex => glow::VERTEX_SHADER,
+            Self::TessControl => glow::TESS_CONTROL_SHADER,
+            Self::TessEvaluation => glow::TESS_EVALUATION_SHADER,
+            Self::Fragment => glow::FRAGMENT_SHADER,
+        }
+    }
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Vertex => "vertex stage",
+            Self::TessControl => "tessellation control stage",
+            Self::TessEvaluation => "tessellation evaluation stage",
+            Self::Fragment => "fragment stage",
+        }
+    }
+}
+
+/// One file of GLSL; it has no `#version` line.
+#[derive(Debug, Clone)]
+pub struct ShaderPart {
+    /// Name of the file, for the errors.
+    pub file: &'static str,
+    /// Its text.
+    pub text: Cow<'static, str>,
+}
+
+/// A stage made of parts, one after the other.
+#[derive(Debug, Clone)]
+pub struct Stage {
+    /// Which stage.
+    pub kind: StageKind,
+    /// Its files in order; the last one usually has `main`.
+    pub parts: Vec<ShaderPart>,
+}
+
+/// A linked program.
+pub struct Program {
+    gl: Arc<glow::Context>,
+    raw: glow::Program,
+}
+
+impl std::fmt::Debug for Program {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Program").field("raw", &self.raw).finish()
+    }
+}
+
+/// A compiled stage until the program is linked.
+struct Shader<'a> {
+    gl: &'a glow::Context,
+    raw: glow::Shader,
+}
+
+impl Drop for Shader<'_> {
+    fn drop(&mut self) {
+        // SAFETY: the context is current (see the module); a linked program keeps what it needs.
+        unsafe { self.gl.delete_shader(self.raw) }
+    }
+}
+
+impl Program {
+    /// Compiles each stage, checking one before the next, and links them. `defines` are the names
+    /// and values of `#define` lines that stand before every stage.
+    ///
+    /// # Errors
+    /// The stage, its files and the driver's log, or the driver's reason for not linking.
+    pub fn new(
+        gl: &Arc<glow::Context>,
+        label: &str,
+        defines: &[(&str, u32)],
+        stages: &[Stage],
+    ) -> Result<Self> {
+        let mut shaders = Vec::with_capacity(stages.len());
+        for stage in stages {
+            shaders.push(compile(gl, defines, stage)?);
+        }
+        // SAFETY: the context is current (see the module); the program is new and ours, freed by
+        // `drop` from the moment `Self` holds it.
+        unsafe {
+            let program = Self {
+                gl: Arc::clone(gl),
+                raw: create(label, gl.create_program())?,
+            };
+            for shader in &shaders {
+                gl.attach_shader(program.raw, shader.raw);
+            }
+            gl.link_program(program.raw);
+            for shader in &shaders {
+                gl.detach_shader(program.raw, shader.raw);
+            }
+            if !gl.get_program_link_status(program.raw) {
+                return Err(Error::Shader {
+                    what: format!("linking program {label}"),
+                    log: gl.get_program_info_log(program.raw).trim().to_owned(),
+                });
+            }
+            gl.object_label(glow::PROGRAM, program.raw.0.get(), Some(label));
+            Ok(program)
+        }
+    }
+
+    /// Uses the program for the next draws.
+    pub fn bind(&self) {
+        // SAFETY: the context is current (see the module); the program is linked.
+        unsafe { self.gl.use_program(Some(self.raw)) }
+    }
+
+    /// The location of a uniform by its name in the source, if the linked program uses it.
+    #[must_use]
+    pub fn uniform_location(&self, name: &str) -> Option<u32> {
+        // SAFETY: the context is current (see the module); the program is linked.
+        unsafe { self.gl.get_uniform_location(self.raw, name) }.map(|location| location.0)
+    }
+
+    /// The integer that a uniform holds, such as the unit of a sampler.
+    #[must_use]
+    pub fn uniform_i32(&self, name: &str) -> Option<i32> {
+        let location = NativeUniformLocation(self.uniform_location(name)?);
+        let mut value = [0];
+        // SAFETY: the context is current (see the module); the location was just found.
+        unsafe { self.gl.get_uniform_i32(self.raw, &location, &mut value) };
+        Some(value[0])
+    }
+
+    /// The binding point of a shader storage block by its name in the source.
+    #[must_use]
+    pub fn storage_binding(&self, block: &str) -> Option<i32> {
+        // SAFETY: the context is current (see the module); the index was just found.
+        unsafe {
+            let index = self.gl.get_shader_storage_block_index(self.raw, block)?;
+            let properties = [glow::BUFFER_BINDING];
+            let kind = glow::SHADER_STORAGE_BLOCK;
+            let values = self.gl.get_program_resource_i32(self.raw, kind, index, &properties);
+            values.first().copied()
+        }
+    }
+
+    /// Sets a `mat4`.
+    pub fn set_mat4(&self, location: u32, value: &Mat4) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: the context is current (see the module); a location that the program does not
+        // have is an error the driver reports.
+        unsafe {
+            self.gl.program_uniform_matrix_4_f32_slice(
+                self.raw,
+                Some(&location),
+                false,
+                value.as_ref(),
+            );
+        }
+    }
+
+    /// Sets a `vec2`.
+    pub fn set_vec2(&self, location: u32, value: Vec2) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: as in `set_mat4`.
+        unsafe { self.gl.program_uniform_2_f32(self.raw, Some(&location), value.x, value.y) }
+    }
+
+    /// Sets a `float`.
+    pub fn set_f32(&self, location: u32, value: f32) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: as in `set_mat4`.
+        unsafe { self.gl.program_uniform_1_f32(self.raw, Some(&location), value) }
+    }
+
+    /// Sets an `int` or `bool`.
+    pub fn set_i32(&self, location: u32, value: i32) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: as in `set_mat4`.
+        unsafe { self.gl.program_uniform_1_i32(self.raw, Some(&location), value) }
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // SAFETY: the context is current (see the module); nothing else owns the program.
+        unsafe { self.gl.delete_program(self.raw) }
+    }
+}
+
+fn compile<'a>(
+    gl: &'a glow::Context,
+    defines: &[(&str, u32)],
+    stage: &Stage,
+) -> Result<Shader<'a>> {
+    let source = assemble(defines, &stage.parts);
+    let name = stage.kind.name();
+    // SAFETY: the context is current (see the module); the shader is new and ours, freed by `drop`.
+    unsafe {
+        let shader = Shader {
+            gl,
+            raw: create(name, gl.create_shader(stage.kind.gl()))?,
+        };
+        gl.shader_source(shader.raw, &source);
+        gl.compile_shader(shader.raw);
+        if !gl.get_shader_compile_status(shader.raw) {
+            let files: Vec<&str> = stage.parts.iter().map(|part| part.file).collect();
+            return Err(Error::Shader {
+                what: format!("compiling the {name} of {}", files.join(" + ")),
+                log: with_file_names(&gl.get_shader_info_log(shader.raw), &stage.parts),
+            });
+        }
+        Ok(shader)
+    }
+}
+
+/// Version, defines, then the parts, each under a `#line` that gives it the number of its place.
+fn assemble(defines: &[(&str, u32)], parts: &[ShaderPart]) -> String {
+    let mut source = String::from("#version 450 core\n");
+    for (name, value) in defines {
+        let _ = writeln!(source, "#define {name} {value}");
+    }
+    for (number, part) in parts.iter().enumerate() {
+        let _ = writeln!(source, "#line 1 {number}");
+        source += &part.text;
+        source.push('\n');
+    }
+    source
+}
+
+/// Drivers begin a line of their log with the part's number, as `1:12(5):` or `1(12) :`; put the
+/// file's name there.
+fn with_file_names(log: &str, parts: &[ShaderPart]) -> String {
+    let named = |line: &str| {
+        let digits = line.bytes().take_while(u8::is_ascii_digit).count();
+        let (number, rest) = line.split_at(digits);
+        let part = number.parse::<usize>().ok().and_then(|number| parts.get(number));
+        match part {
+            Some(part) if rest.starts_with([':', '(']) => format!("{}{rest}", part.file),
+            _ => line.to_owned(),
+        }
+    };
+    log.trim().lines().map(named).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parts() -> [ShaderPart; 2] {
+        ["a.glsl", "b.frag"].map(|file| ShaderPart {
+            file,
+            text: format!("// {file}").into(),
+        })
+    }
+
+    #[test]
+    fn parts_keep_their_line_numbers() {
+        let source = assemble(&[("SIDE", 4)], &parts());
+        let lines: Vec<&str> = source.lines().collect();
+        assert_eq!(
+            lines,
+            [
+                "#version 450 core",
+                "#define SIDE 4",
+                "#line 1 0",
+                "// a.glsl",
+                "#line 1 1",
+                "// b.frag"
+            ]
+        );
+    }
+
+    #[test]
+    fn logs_of_both_styles_get_file_names() {
+        let log = "1:12(5): error: x\n0(3) : error C0000\nnote 1:2\n7:1(1): y\n";
+        assert_eq!(
+            with_file_names(log, &parts()),
+            "b.frag:12(5): error: x\na.glsl(3) : error C0000\nnote 1:2\n7:1(1): y"
+        );
+    }
+}

@@ -1,0 +1,93 @@
+use std::sync::Arc;
+
+use glow::{HasContext, PixelUnpackData};
+
+use super::{create, size_i32};
+use crate::{Error, Image, Result};
+
+/// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear,
+/// clamped to its edges.
+pub struct Texture {
+    gl: Arc<glow::Context>,
+    raw: glow::Texture,
+}
+
+impl std::fmt::Debug for Texture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Texture").field("raw", &self.raw).finish()
+    }
+}
+
+impl Texture {
+    /// Uploads a picture; its first row becomes v = 1.
+    ///
+    /// # Errors
+    /// A picture without pixels or larger than the driver's textures.
+    pub fn new(gl: &Arc<glow::Context>, label: &str, image: &Image) -> Result<Self> {
+        let (width, height) = image.dimensions();
+        // SAFETY: the context is current (see the module).
+        let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
+        let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=most).contains(size));
+        let (Some(width), Some(height)) = (side(width), side(height)) else {
+            return Err(Error::invalid(
+                "texture size",
+                format!("{width} × {height}"),
+                format!("1 to {most} texels a side with this driver"),
+            ));
+        };
+        size_i32(label, image.len())?;
+        let bottom_up: Vec<u8> = image
+            .chunks_exact(4 * image.width() as usize)
+            .rev()
+            .flatten()
+            .copied()
+            .collect();
+        // SAFETY: the context is current (see the module); the texture is new and ours, and the
+        // pixels are exactly width × height RGBA texels.
+        unsafe {
+            let raw = create(label, gl.create_named_texture(glow::TEXTURE_2D))?;
+            let levels = 1 + (width.max(height)).ilog2();
+            gl.texture_storage_2d(raw, levels as i32, glow::RGBA8, width, height);
+            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
+            gl.texture_sub_image_2d(
+                raw,
+                0,
+                0,
+                0,
+                width,
+                height,
+                glow::RGBA,
+                glow::UNSIGNED_BYTE,
+                PixelUnpackData::Slice(Some(&bottom_up)),
+            );
+            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 4);
+            gl.generate_texture_mipmap(raw);
+            for (parameter, value) in [
+                (glow::TEXTURE_MIN_FILTER, glow::LINEAR_MIPMAP_LINEAR),
+                (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
+                (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
+                (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
+            ] {
+                gl.texture_parameter_i32(raw, parameter, value as i32);
+            }
+            gl.object_label(glow::TEXTURE, raw.0.get(), Some(label));
+            Ok(Self {
+                gl: Arc::clone(gl),
+                raw,
+            })
+        }
+    }
+
+    /// Binds the texture to a unit.
+    pub fn bind(&self, unit: u32) {
+        // SAFETY: the context is current (see the module); the texture lives as long as `self`.
+        unsafe { self.gl.bind_texture_unit(unit, Some(self.raw)) }
+    }
+}
+
+impl Drop for Texture {
+    fn drop(&mut self) {
+        // SAFETY: the context is current (see the module); nothing else owns the texture.
+        unsafe { self.gl.delete_texture(self.raw) }
+    }
+}

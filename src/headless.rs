@@ -1,0 +1,153 @@
+//! OpenGL contexts without a display, for the program, tests and servers.
+#![allow(unsafe_code, reason = "contexts are made through EGL and OSMesa")]
+
+mod egl;
+mod osmesa;
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use crate::gpu::{DebugLog, DriverInfo, check_version};
+use crate::{Error, Result};
+
+/// Where a headless context comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Backend {
+    /// EGL, and OSMesa where EGL gives no context.
+    #[default]
+    Auto,
+    /// A device of EGL, hardware before software.
+    Egl,
+    /// Mesa's off-screen library, always software.
+    Osmesa,
+}
+
+impl fmt::Display for Backend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Egl => "egl",
+            Self::Osmesa => "osmesa",
+        })
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "egl" => Ok(Self::Egl),
+            "osmesa" => Ok(Self::Osmesa),
+            _ => Err(Error::invalid("backend", text, "auto, egl or osmesa")),
+        }
+    }
+}
+
+/// What keeps a context alive; dropping it destroys the context.
+enum Owner {
+    Egl {
+        _context: egl::Context,
+    },
+    Osmesa {
+        _context: osmesa::Context,
+    },
+}
+
+/// An OpenGL 4.5 core context, current on the thread that made it until it is dropped.
+///
+/// It must outlive everything that is made with [`Headless::gl`].
+pub struct Headless {
+    // The order matters: functions go before the context that they belong to.
+    gl: Arc<glow::Context>,
+    debug_log: DebugLog,
+    backend: Backend,
+    info: DriverInfo,
+    _owner: Owner,
+}
+
+impl fmt::Debug for Headless {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Headless")
+            .field("backend", &self.backend)
+            .field("info", &self.info)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Headless {
+    /// Makes a context and makes it current on this thread.
+    ///
+    /// # Errors
+    /// No driver gives an OpenGL 4.5 core context; the message names the packages to install.
+    pub fn new(backend: Backend) -> Result<Self> {
+        let tried = match backend {
+            Backend::Egl => Self::egl(),
+            Backend::Osmesa => Self::osmesa(),
+            Backend::Auto => Self::egl().or_else(|egl| {
+                log::debug!("no context through EGL: {egl}");
+                Self::osmesa().map_err(|osmesa| format!("{egl}; {osmesa}"))
+            }),
+        };
+        tried.map_err(|reason| {
+            Error::Context(format!(
+                "no OpenGL 4.5 context without a display ({reason}); install a driver: on Debian and \
+                 Ubuntu, apt-get install libegl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
+            ))
+        })
+    }
+
+    fn egl() -> Result<Self, String> {
+        let (context, gl) = egl::Context::new()?;
+        Self::finish(gl, Backend::Egl, Owner::Egl { _context: context })
+    }
+
+    fn osmesa() -> Result<Self, String> {
+        let (context, gl) = osmesa::Context::new()?;
+        Self::finish(gl, Backend::Osmesa, Owner::Osmesa { _context: context })
+    }
+
+    fn finish(mut gl: glow::Context, backend: Backend, owner: Owner) -> Result<Self, String> {
+        check_version(&gl).map_err(|error| error.to_string())?;
+        let debug_log = DebugLog::install(&mut gl);
+        let info = DriverInfo::of(&gl);
+        #[expect(
+            clippy::arc_with_non_send_sync,
+            reason = "the context stays on its thread, but egui and others hand it out in an Arc"
+        )]
+        let gl = Arc::new(gl);
+        Ok(Self {
+            gl,
+            debug_log,
+            backend,
+            info,
+            _owner: owner,
+        })
+    }
+
+    /// The functions of the context.
+    #[must_use]
+    pub const fn gl(&self) -> &Arc<glow::Context> {
+        &self.gl
+    }
+
+    /// Which backend gave the context.
+    #[must_use]
+    pub const fn backend(&self) -> Backend {
+        self.backend
+    }
+
+    /// The driver's names and limits.
+    #[must_use]
+    pub const fn info(&self) -> &DriverInfo {
+        &self.info
+    }
+
+    /// The driver's complaints.
+    #[must_use]
+    pub const fn debug_log(&self) -> &DebugLog {
+        &self.debug_log
+    }
+}

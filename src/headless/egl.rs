@@ -1,0 +1,74 @@
+//! Contexts through EGL devices, without a surface.
+
+use std::ffi::CString;
+
+use glutin::api::egl::config::Config;
+use glutin::api::egl::context::PossiblyCurrentContext;
+use glutin::api::egl::device::Device;
+use glutin::api::egl::display::Display;
+use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
+use glutin::context::{
+    ContextApi, ContextAttributesBuilder, GlProfile, PossiblyCurrentGlContext as _, Version,
+};
+use glutin::display::GlDisplay as _;
+
+/// A context that is current until it is dropped.
+pub(super) struct Context(Option<PossiblyCurrentContext>);
+
+impl Context {
+    /// The first device that gives a 4.5 core context, hardware before software.
+    pub(super) fn new() -> Result<(Self, glow::Context), String> {
+        let mut devices: Vec<Device> = Device::query_devices()
+            .map_err(|error| format!("EGL: {error}"))?
+            .collect();
+        devices.sort_by_key(|device| device.extensions().contains("EGL_MESA_device_software"));
+        let mut reasons = Vec::new();
+        for device in &devices {
+            match Self::on(device) {
+                Ok(made) => return Ok(made),
+                Err(error) => {
+                    let name = device.name().unwrap_or("unnamed device");
+                    reasons.push(format!("{name}: {error}"));
+                }
+            }
+        }
+        if reasons.is_empty() {
+            reasons.push("no device".into());
+        }
+        Err(format!("EGL: {}", reasons.join(", ")))
+    }
+
+    fn on(device: &Device) -> Result<(Self, glow::Context), glutin::error::Error> {
+        // SAFETY: the device comes from EGL, and no display handle is passed.
+        let display = unsafe { Display::with_device(device, None)? };
+        let template = ConfigTemplateBuilder::new()
+            .with_surface_type(ConfigSurfaceTypes::empty())
+            .build();
+        // SAFETY: the template names no window.
+        let config: Option<Config> = unsafe { display.find_configs(template)?.next() };
+        let config = config.ok_or(glutin::error::ErrorKind::BadConfig)?;
+        let attributes = ContextAttributesBuilder::new()
+            .with_context_api(ContextApi::OpenGl(Some(Version::new(4, 5))))
+            .with_profile(GlProfile::Core)
+            .with_debug(true)
+            .build(None);
+        // SAFETY: the config is this display's, and no window handle is passed.
+        let context = unsafe { display.create_context(&config, &attributes)? };
+        let context = context.make_current_surfaceless()?;
+        // SAFETY: the context is current, so the functions that EGL names are its own.
+        let gl = unsafe {
+            glow::Context::from_loader_function(|name| {
+                CString::new(name).map_or(std::ptr::null(), |name| display.get_proc_address(&name))
+            })
+        };
+        Ok((Self(Some(context)), gl))
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        if let Some(Err(error)) = self.0.take().map(|context| context.make_not_current()) {
+            log::debug!("EGL context was not released: {error}");
+        }
+    }
+}

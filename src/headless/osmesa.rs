@@ -1,0 +1,116 @@
+//! Contexts through Mesa's off-screen library, loaded at run time: few machines have it, and none
+//! needs it where EGL works.
+
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::sync::OnceLock;
+
+use libloading::Library;
+
+// The values of GL/osmesa.h.
+const OSMESA_RGBA: c_int = 0x1908;
+const OSMESA_FORMAT: c_int = 0x22;
+const OSMESA_DEPTH_BITS: c_int = 0x30;
+const OSMESA_PROFILE: c_int = 0x33;
+const OSMESA_CORE_PROFILE: c_int = 0x34;
+const OSMESA_CONTEXT_MAJOR_VERSION: c_int = 0x36;
+const OSMESA_CONTEXT_MINOR_VERSION: c_int = 0x37;
+const GL_UNSIGNED_BYTE: c_uint = 0x1401;
+
+/// The names under which distributions install the library.
+const NAMES: [&str; 3] = ["libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"];
+
+type RawContext = *mut c_void;
+type Proc = Option<unsafe extern "C" fn()>;
+
+/// The library's functions; it stays loaded until the process ends, because every OpenGL function
+/// pointer leads into it.
+struct Functions {
+    create: unsafe extern "C" fn(*const c_int, RawContext) -> RawContext,
+    destroy: unsafe extern "C" fn(RawContext),
+    make_current: unsafe extern "C" fn(RawContext, *mut c_void, c_uint, c_int, c_int) -> u8,
+    get_proc_address: unsafe extern "C" fn(*const c_char) -> Proc,
+    _library: Library,
+}
+
+fn functions() -> Result<&'static Functions, String> {
+    static FUNCTIONS: OnceLock<Result<Functions, String>> = OnceLock::new();
+    FUNCTIONS.get_or_init(load).as_ref().map_err(Clone::clone)
+}
+
+fn load() -> Result<Functions, String> {
+    let library = NAMES
+        .iter()
+        // SAFETY: Mesa's library has no initialiser that could conflict with this process.
+        .find_map(|name| unsafe { Library::new(*name) }.ok())
+        .ok_or_else(|| format!("OSMesa: none of {} is installed", NAMES.join(", ")))?;
+    // SAFETY: the four signatures are those of GL/osmesa.h.
+    unsafe {
+        let missing = |error: libloading::Error| format!("OSMesa: {error}");
+        Ok(Functions {
+            create: *library.get(b"OSMesaCreateContextAttribs\0").map_err(missing)?,
+            destroy: *library.get(b"OSMesaDestroyContext\0").map_err(missing)?,
+            make_current: *library.get(b"OSMesaMakeCurrent\0").map_err(missing)?,
+            get_proc_address: *library.get(b"OSMesaGetProcAddress\0").map_err(missing)?,
+            _library: library,
+        })
+    }
+}
+
+/// A context that is current until it is dropped.
+pub(super) struct Context {
+    raw: RawContext,
+    /// OSMesa cannot be current without a picture; the library draws into its own framebuffers.
+    pixel: Box<[u8; 4]>,
+}
+
+impl Context {
+    pub(super) fn new() -> Result<(Self, glow::Context), String> {
+        let functions = functions()?;
+        let attributes = [
+            (OSMESA_FORMAT, OSMESA_RGBA),
+            (OSMESA_DEPTH_BITS, 24),
+            (OSMESA_PROFILE, OSMESA_CORE_PROFILE),
+            (OSMESA_CONTEXT_MAJOR_VERSION, 4),
+            (OSMESA_CONTEXT_MINOR_VERSION, 5),
+        ];
+        let mut list: Vec<c_int> = attributes.iter().flat_map(|(key, value)| [*key, *value]).collect();
+        list.push(0);
+        // SAFETY: the list is pairs of key and value with a 0 after the last.
+        let raw = unsafe { (functions.create)(list.as_ptr(), std::ptr::null_mut()) };
+        if raw.is_null() {
+            return Err("OSMesa: it gives no OpenGL 4.5 core context".into());
+        }
+        let mut context = Self {
+            raw,
+            pixel: Box::new([0; 4]),
+        };
+        let pixel = context.pixel.as_mut_ptr().cast();
+        // SAFETY: the buffer holds one RGBA pixel and lives as long as the context.
+        if unsafe { (functions.make_current)(raw, pixel, GL_UNSIGNED_BYTE, 1, 1) } == 0 {
+            return Err("OSMesa: the context cannot be made current".into());
+        }
+        // SAFETY: the context is current, so the functions that OSMesa names are its own.
+        let gl = unsafe {
+            glow::Context::from_loader_function(|name| {
+                CString::new(name)
+                    .ok()
+                    .and_then(|name| (functions.get_proc_address)(name.as_ptr()))
+                    .map_or(std::ptr::null(), |function| function as *const c_void)
+            })
+        };
+        Ok((context, gl))
+    }
+}
+
+impl Drop for Context {
+    fn drop(&mut self) {
+        if let Ok(functions) = functions() {
+            // SAFETY: the context came from this library and is destroyed once; a null context
+            // releases the current one first.
+            unsafe {
+                (functions.make_current)(std::ptr::null_mut(), std::ptr::null_mut(), 0, 0, 0);
+                (functions.destroy)(self.raw);
+            }
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! A renderer on the CPU in `f64` that shares nothing with the shaders: it makes the pictures that
+//! the tests compare with.
+//!
+//! It cuts patches into the same triangles at the same level, because that is what a picture at a
+//! level shows. OpenGL leaves open which diagonal a square of the tessellation gets; here it is the
+//! one of Direct3D's reference tessellator, which Mesa's drivers carry inside. Lines are drawn by a
+//! plain walk along their longer axis; OpenGL leaves their pixels to the driver.
+
+mod raster;
+mod sampler;
+mod shading;
+mod thesis;
+
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
+
+use crate::bezier::{Patch, homogeneous};
+use crate::camera::Projection;
+use crate::renderer::CONTROL_POINT_PX;
+use crate::{Image, Newton, NewtonTrims, Result, Scene, Surface, Trims};
+use raster::{Raster, Vertex};
+use sampler::Sampler;
+
+pub use thesis::thesis_normal;
+
+/// Whose errors the picture has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arithmetic {
+    /// The thesis' own: its normals, and its trimming of loops by Newton's method.
+    Thesis,
+    /// None: true normals, exact trims.
+    Exact,
+}
+
+/// What a pixel shows.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Pixel {
+    /// Nothing.
+    #[default]
+    Background,
+    /// A point of a surface or of its wireframe.
+    Surface(Fragment),
+    /// The square of a control point.
+    ControlPoint,
+}
+
+/// A point of a surface that a pixel shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fragment {
+    /// Number of the surface in the scene.
+    pub surface: usize,
+    /// Number of the patch in the surface.
+    pub patch: usize,
+    /// Place in the domain.
+    pub uv: DVec2,
+    /// Place in view space.
+    pub position: DVec3,
+    /// Depth in the window, −1 (near) to 1.
+    pub depth: f64,
+    /// Whether u and v turn counter-clockwise on the screen.
+    pub front: bool,
+}
+
+/// A picture and what its pixels show, both row by row from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// The colours, rounded to 8 bits.
+    pub image: Image,
+    /// What each pixel shows.
+    pub pixels: Vec<Pixel>,
+    projection: DMat4,
+}
+
+/// Renders a scene.
+///
+/// # Errors
+/// Loops that the thesis' method cannot cut, if its arithmetic is asked for.
+pub fn render(scene: &Scene, size: UVec2, arithmetic: Arithmetic) -> Result<Picture> {
+    let projection = scene.projection(size.x, size.y);
+    let settings = &scene.settings;
+    let mut raster = Raster::new(size, settings.background);
+    for (number, surface) in scene.surfaces.iter().enumerate() {
+        let view = SurfaceView::new(surface, &projection, settings.newton, arithmetic)?;
+        let report = view.is_report();
+        for (patch_number, patch) in surface.patches().enumerate() {
+            let level = settings.level.get() as usize;
+            let vertices = view.vertices(&patch, level);
+            for triangle in triangles(level) {
+                let corners = triangle.map(|corner| vertices[corner]);
+                let mut shade = |vertex: &Vertex, footprint, front| {
+                    let uv = vertex.uv();
+                    if view.cut(uv) {
+                        return None;
+                    }
+                    let color = if report && settings.wireframe {
+                        DVec3::X
+                    } else {
+                        view.color(vertex, footprint)
+                    };
+                    let fragment = Fragment {
+                        surface: number,
+                        patch: patch_number,
+                        uv,
+                        position: vertex.position(),
+                        depth: vertex.depth(),
+                        front,
+                    };
+                    Some((color, fragment))
+                };
+                if settings.wireframe {
+                    for edge in 0..3 {
+                        raster.line([corners[edge], corners[(edge + 1) % 3]], &mut shade);
+                    }
+                } else {
+                    raster.triangle(corners, &mut shade);
+                }
+            }
+        }
+    }
+    if settings.control_points {
+        for surface in &scene.surfaces {
+            let to_clip = projection.projection * projection.view * surface.transform;
+            for point in surface.control_points() {
+                let clip = to_clip * homogeneous(*point);
+                raster.square(clip, f64::from(CONTROL_POINT_PX), DVec3::new(0.0, 0.5, 1.0));
+            }
+        }
+    }
+    Ok(raster.into_picture(projection.projection))
+}
+
+/// A surface as one picture sees it.
+struct SurfaceView<'a> {
+    surface: &'a Surface,
+    to_view: DMat4,
+    projection: &'a Projection,
+    newton: Newton,
+    loops: NewtonTrims,
+    sampler: Sampler<'a>,
+    arithmetic: Arithmetic,
+}
+
+impl<'a> SurfaceView<'a> {
+    fn new(
+        surface: &'a Surface,
+        projection: &'a Projection,
+        newton: Newton,
+        arithmetic: Arithmetic,
+    ) -> Result<Self> {
+        let loops = match arithmetic {
+            Arithmetic::Thesis => NewtonTrims::from_loops(&surface.trims.loops)?,
+            Arithmetic::Exact => NewtonTrims::default(),
+        };
+        Ok(Self {
+            surface,
+            to_view: projection.view * surface.transform,
+            projection,
+            newton,
+            loops,
+            sampler: Sampler::new(&surface.paint),
+            arithmetic,
+        })
+    }
+
+    /// Whether the report's program draws it, as `renderer::programs::Pipeline::of` decides.
+    fn is_report(&self) -> bool {
+        self.surface.degree() == crate::Degree::Quartic
+            && self.surface.shading == crate::Shading::Unlit
+    }
+
+    /// The vertices of a patch at a level, row by row.
+    fn vertices(&self, patch: &Patch<'_>, level: usize) -> Vec<Vertex> {
+        let normal_matrix = DMat3::from_mat4(self.to_view).inverse().transpose();
+        (0..(level + 1) * (level + 1))
+            .map(|i| {
+                let u = (i % (level + 1)) as f64 / level as f64;
+                let v = (i / (level + 1)) as f64 / level as f64;
+                let normal = match self.arithmetic {
+                    Arithmetic::Thesis => thesis_normal(patch, u, v),
+                    // The thesis crosses its tangents v first.
+                    Arithmetic::Exact => -patch.normal(u, v).unwrap_or(DVec3::ZERO),
+                };
+                let position = self.to_view.transform_point3(patch.at(u, v).position);
+                let clip = self.projection.projection * position.extend(1.0);
+                let normal = (normal_matrix * normal).normalize_or_zero()
+                    * DMat3::from_mat4(self.to_view).determinant().signum();
+                Vertex::new(clip, position, normal, DVec2::new(u, v))
+            })
+            .collect()
+    }
+
+    fn cut(&self, uv: DVec2) -> bool {
+        let trims: &Trims = &self.surface.trims;
+        match self.arithmetic {
+            Arithmetic::Exact => trims.cut(uv),
+            Arithmetic::Thesis => {
+                trims.shapes_cut(uv) || (trims.loops_on && self.loops.cut(&self.newton, uv))
+            }
+        }
+    }
+
+    fn color(&self, vertex: &Vertex, footprint: f64) -> DVec3 {
+        let paint = self.sampler.sample(vertex.uv(), footprint);
+        shading::color(
+            self.surface.shading,
+            paint,
+            vertex.position(),
+            vertex.normal(),
+            &self.projection.view,
+        )
+    }
+}
+
+/// The triangles of a square domain at a level, as indices into rows of `level + 1` vertices.
+fn triangles(level: usize) -> impl Iterator<Item = [usize; 3]> {
+    let index = move |u: usize, v: usize| v * (level + 1) + u;
+    (0..level * level).flat_map(move |cell| {
+        let (u, v) = (cell % level, cell / level);
+        let [a, b] = [index(u, v), index(u + 1, v)];
+        let [c, d] = [index(u, v + 1), index(u + 1, v + 1)];
+        if rises(u, v, level) {
+            [[a, b, d], [a, d, c]]
+        } else {
+            [[a, b, c], [b, d, c]]
+        }
+    })
+}
+
+/// Whether the diagonal of a cell runs from its least (u, v) to its greatest: diagonals point to the
+/// middle of the patch; at odd levels the middle column rises and the middle row falls.
+fn rises(u: usize, v: usize, level: usize) -> bool {
+    let middle = level / 2;
+    if level.is_multiple_of(2) {
+        (u < middle) == (v < middle)
+    } else {
+        v != middle && (u == middle || (u < middle) == (v < middle))
+    }
+}
+
+impl Picture {
+    /// Width and height.
+    #[must_use]
+    pub fn size(&self) -> UVec2 {
+        UVec2::from(self.image.dimensions())
+    }
+
+    /// Which pixels lie within `radius_px` of an edge in the picture: a silhouette, the edge of a
+    /// trim, of a line or of a control point's square. There a sample's place decides what is seen.
+    #[must_use]
+    pub fn edge_band(&self, radius_px: f64) -> Vec<bool> {
+        let (width, height) = (self.image.width() as i32, self.image.height() as i32);
+        let reach = radius_px.floor() as i32;
+        let offsets: Vec<(i32, i32)> = (-reach..=reach)
+            .flat_map(|y| (-reach..=reach).map(move |x| (x, y)))
+            .filter(|(x, y)| f64::from(x * x + y * y) <= radius_px * radius_px)
+            .collect();
+        let at = |x: i32, y: i32| self.pixels[(y * width + x) as usize];
+        (0..width * height)
+            .map(|i| {
+                let (x, y) = (i % width, i / width);
+                offsets.iter().any(|(dx, dy)| {
+                    let (x2, y2) = (x + dx, y + dy);
+                    (0..width).contains(&x2)
+                        && (0..height).contains(&y2)
+                        && self.differ(&at(x, y), &at(x2, y2))
+                })
+            })
+            .collect()
+    }
+
+    /// Whether two close pixels show different things: other kinds, other sides, or places further
+    /// apart than a surface seen at a grazing angle explains.
+    fn differ(&self, a: &Pixel, b: &Pixel) -> bool {
+        const GRAZING: f64 = 12.0;
+        match (a, b) {
+            (Pixel::Background, Pixel::Background) | (Pixel::ControlPoint, Pixel::ControlPoint) => {
+                false
+            }
+            (Pixel::Surface(a), Pixel::Surface(b)) => {
+                let clip_w = (self.projection * a.position.extend(1.0)).w;
+                let pixel = 2.0 * clip_w / (self.projection.y_axis.y * f64::from(self.size().y));
+                a.surface != b.surface
+                    || a.front != b.front
+                    || a.position.distance(b.position) > GRAZING * pixel.abs()
+            }
+            _ => true,
+        }
+    }
+}
+
+/// 0 … 1 to 8 bits, as OpenGL converts.
+fn to_bytes(color: DVec4) -> [u8; 4] {
+    color
+        .to_array()
+        .map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_cover_every_cell_once_without_turning() {
+        for level in 1..=9 {
+            let corner = |i: usize| {
+                DVec2::new((i % (level + 1)) as f64, (i / (level + 1)) as f64)
+            };
+            let areas: Vec<f64> = triangles(level)
+                .map(|[a, b, c]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)))
+                .collect();
+            assert_eq!(areas.len(), 2 * level * level);
+            assert!(areas.iter().all(|area| *area == 1.0));
+        }
+    }
+
+    #[test]
+    fn diagonals_point_to_the_middle() {
+        assert!(!rises(0, 0, 1));
+        assert!(rises(0, 0, 2) && rises(1, 1, 2) && !rises(0, 1, 2) && !rises(1, 0, 2));
+        assert!(rises(1, 0, 3) && rises(1, 2, 3) && !rises(0, 1, 3) && !rises(2, 1, 3));
+        assert!(!rises(1, 1, 3));
+    }
+
+    #[test]
+    fn a_square_seen_from_above_has_the_right_pixels() {
+        let text = "
+            [camera]
+            eye = [0.0, 2.0, 0.0]
+            target = [0.0, 0.0, 0.0]
+            up = [0.0, 0.0, -1.0]
+            orthographic_height = 2.0
+            [render]
+            background = [0.0, 0.0, 0.0, 0.0]
+            [[surface]]
+            control_points = \"default\"
+            color = [1.0, 0.5, 0.0]
+            shading = \"flat\"
+            [[surface.trim]]
+            interval = { u = [0.5, 1.0], v = [0.5, 1.0] }";
+        let scene = Scene::from_toml(text, std::path::Path::new("square.toml")).unwrap();
+        let picture = render(&scene, UVec2::new(40, 40), Arithmetic::Exact).unwrap();
+        // One unit is 20 pixels: the square covers 10 … 30, its upper right quarter is cut.
+        for (x, y, pixel) in picture.image.enumerate_pixels() {
+            let covered = (10..30).contains(&x) && (10..30).contains(&y) && !(x >= 20 && y < 20);
+            let expected = if covered { [255, 128, 0, 255] } else { [0; 4] };
+            assert_eq!(pixel.0, expected, "({x}, {y})");
+        }
+        let band = picture.edge_band(1.5);
+        assert!(band[10 * 40 + 10] && band[9 * 40 + 9] && band[19 * 40 + 21]);
+        assert!(!band[8 * 40 + 15] && !band[12 * 40 + 15] && !band[25 * 40 + 15]);
+    }
+}

@@ -1,0 +1,196 @@
+//! All draw calls: a surface and a frame in, pixels in the bound framebuffer out.
+#![allow(unsafe_code, reason = "drawing is unsafe in glow")]
+
+mod prepared;
+pub mod programs;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::DMat4;
+use glow::HasContext;
+
+pub use prepared::PreparedScene;
+use programs::{Pipeline, ProgramKey, Sources, TrimFeatures, location};
+
+use crate::camera::Projection;
+use crate::gpu::{Buffer, Program, VertexArray, check_version};
+use crate::tessellation::patches_per_draw;
+use crate::{FreeFormSurface, RenderSettings, Result, Shading};
+
+/// Side of the square that shows a control point, in pixels.
+pub const CONTROL_POINT_PX: f32 = 7.0;
+
+/// Everything that is the same for all surfaces of one picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// Where the picture is seen from.
+    pub projection: Projection,
+    /// How it is drawn.
+    pub settings: RenderSettings,
+}
+
+/// Draws surfaces with the OpenGL context of its caller.
+///
+/// The context must be current whenever the renderer or something made with it is used or dropped.
+/// Drawing sets the state it needs and leaves depth test, blending, culling and the bindings of
+/// texture unit 0 and of the storage buffers 1 and 2 changed; the polygon mode is filled, no program
+/// and no vertex array are bound afterwards.
+pub struct Renderer {
+    gl: Arc<glow::Context>,
+    sources: Sources,
+    programs: HashMap<ProgramKey, Program>,
+    vertex_array: VertexArray,
+}
+
+impl std::fmt::Debug for Renderer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Renderer").field("programs", &self.programs).finish_non_exhaustive()
+    }
+}
+
+impl Renderer {
+    /// A renderer for the current context. Programs are compiled when something first needs them.
+    ///
+    /// # Errors
+    /// A context older than OpenGL 4.5.
+    pub fn new(gl: &Arc<glow::Context>) -> Result<Self> {
+        Self::with_sources(gl, Sources::default())
+    }
+
+    /// A renderer with shaders of one's own in the place of some files of `glsl/`.
+    ///
+    /// # Errors
+    /// A context older than OpenGL 4.5.
+    pub fn with_sources(gl: &Arc<glow::Context>, sources: Sources) -> Result<Self> {
+        check_version(gl)?;
+        Ok(Self {
+            gl: Arc::clone(gl),
+            sources,
+            programs: HashMap::new(),
+            vertex_array: VertexArray::new(gl)?,
+        })
+    }
+
+    /// The functions of the context.
+    #[must_use]
+    pub const fn gl(&self) -> &Arc<glow::Context> {
+        &self.gl
+    }
+
+    /// Fills the bound framebuffer with the background and the farthest depth.
+    pub fn clear(&self, background: [f32; 4]) {
+        let [red, green, blue, alpha] = background;
+        // SAFETY: the context is current (see the type).
+        unsafe {
+            self.gl.clear_color(red, green, blue, alpha);
+            self.gl.clear_depth_f64(1.0);
+            self.gl.depth_mask(true);
+            self.gl.clear(glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT);
+        }
+    }
+
+    /// Compiles the program of a key, unless that was done before.
+    ///
+    /// # Errors
+    /// A shader that the driver does not take.
+    pub fn program(&mut self, key: ProgramKey) -> Result<&Program> {
+        use std::collections::hash_map::Entry;
+        Ok(match self.programs.entry(key) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => entry.insert(self.sources.link(&self.gl, key)?),
+        })
+    }
+
+    /// Draws the patches of a surface into the bound framebuffer.
+    ///
+    /// # Errors
+    /// A shader that the driver does not take, or no memory for changed trims.
+    pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<()> {
+        surface.upload_trims(&self.gl)?;
+        let key = ProgramKey {
+            pipeline: Pipeline::of(surface),
+            shading: surface.shading(),
+            trims: surface.trim_features(),
+        };
+        let settings = &frame.settings;
+        let program = self.program(key)?;
+        program.bind();
+        set_matrices(program, surface.model_matrix(), &frame.projection);
+        program.set_f32(location::TESS_LEVEL, settings.level.get() as f32);
+        if key.pipeline == Pipeline::Report {
+            program.set_i32(location::WIREFRAME, i32::from(settings.wireframe));
+            program.set_i32(location::SHOW_CONTROL_POINTS, 0);
+        }
+        surface.set_trims(program, &settings.newton);
+        surface.texture().bind(0);
+
+        let degree = surface.degree();
+        let batch = patches_per_draw(settings.level) * degree.points();
+        let points = surface.control_point_count();
+        self.vertex_array.bind(surface.control_point_buffer());
+        // SAFETY: the context is current (see the type); `batch` stays within the buffer, and the
+        // points of a surface fit an i32 since its buffer was made.
+        unsafe {
+            let gl = &self.gl;
+            gl.enable(glow::DEPTH_TEST);
+            gl.depth_func(glow::LESS);
+            gl.disable(glow::CULL_FACE);
+            gl.disable(glow::BLEND);
+            let mode = if settings.wireframe { glow::LINE } else { glow::FILL };
+            gl.polygon_mode(glow::FRONT_AND_BACK, mode);
+            gl.patch_parameter_i32(glow::PATCH_VERTICES, degree.points() as i32);
+            for first in (0..points).step_by(batch) {
+                let count = batch.min(points - first);
+                gl.draw_arrays(glow::PATCHES, first as i32, count as i32);
+            }
+            gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);
+        }
+        self.release();
+        Ok(())
+    }
+
+    /// Draws the control points of a surface as blue squares, on top of what is there.
+    ///
+    /// # Errors
+    /// A shader that the driver does not take.
+    pub fn draw_control_points(&mut self, surface: &FreeFormSurface, frame: &Frame) -> Result<()> {
+        let program = self.program(ProgramKey {
+            pipeline: Pipeline::Points,
+            shading: Shading::Unlit,
+            trims: TrimFeatures::default(),
+        })?;
+        program.bind();
+        set_matrices(program, surface.model_matrix(), &frame.projection);
+        program.set_f32(location::POINT_SIZE, CONTROL_POINT_PX);
+        program.set_i32(location::SHOW_CONTROL_POINTS, 1);
+        surface.texture().bind(0);
+        self.draw_points(surface.control_point_buffer(), surface.control_point_count());
+        self.release();
+        Ok(())
+    }
+
+    fn draw_points(&self, points: &Buffer, count: usize) {
+        self.vertex_array.bind(points);
+        // SAFETY: the context is current (see the type); the buffer holds `count` points.
+        unsafe {
+            self.gl.disable(glow::DEPTH_TEST);
+            self.gl.enable(glow::PROGRAM_POINT_SIZE);
+            self.gl.draw_arrays(glow::POINTS, 0, count as i32);
+            self.gl.disable(glow::PROGRAM_POINT_SIZE);
+        }
+    }
+
+    /// Leaves no object of ours bound that its owner may delete.
+    fn release(&self) {
+        self.vertex_array.unbind();
+        // SAFETY: the context is current (see the type).
+        unsafe { self.gl.use_program(None) }
+    }
+}
+
+fn set_matrices(program: &Program, model: &DMat4, projection: &Projection) {
+    program.set_mat4(location::MODEL, &model.as_mat4());
+    program.set_mat4(location::VIEW, &projection.view.as_mat4());
+    program.set_mat4(location::PROJECTION, &projection.projection.as_mat4());
+}

@@ -1,0 +1,274 @@
+//! Which shaders a surface needs, and the interface they share with the draw calls.
+//!
+//! A program is put together from files of `glsl/` and from what a surface has: without trims no
+//! trim code is compiled in. `glsl/README.md` has the table of names and places.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use crate::gpu::{Program, ShaderPart, Stage, StageKind};
+use crate::{Degree, FreeFormSurface, Result, Shading};
+
+/// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
+pub mod location {
+    /// `tessLevel`.
+    pub const TESS_LEVEL: u32 = 0;
+    /// `modelMatrix`, `model`.
+    pub const MODEL: u32 = 1;
+    /// `viewMatrix`, `view`.
+    pub const VIEW: u32 = 2;
+    /// `projectionMatrix`, `projection`.
+    pub const PROJECTION: u32 = 3;
+    /// `trimValuesx`.
+    pub const TRIM_VALUES_X: u32 = 5;
+    /// `trimValuesy`.
+    pub const TRIM_VALUES_Y: u32 = 6;
+    /// `trimRadius`.
+    pub const TRIM_RADIUS: u32 = 7;
+    /// `trimCenter`.
+    pub const TRIM_CENTER: u32 = 8;
+    /// `trimRadius1`.
+    pub const TRIM_RADIUS_1: u32 = 9;
+    /// `trimRadius2`.
+    pub const TRIM_RADIUS_2: u32 = 10;
+    /// `trimEllipseCenter`.
+    pub const TRIM_ELLIPSE_CENTER: u32 = 11;
+    /// `circBool`.
+    pub const CIRC_BOOL: u32 = 12;
+    /// `intervalBool`.
+    pub const INTERVAL_BOOL: u32 = 13;
+    /// `ellipseBool`.
+    pub const ELLIPSE_BOOL: u32 = 14;
+    /// `bezierBool`.
+    pub const BEZIER_BOOL: u32 = 15;
+    /// `bezierBool2`.
+    pub const BEZIER_BOOL_2: u32 = 16;
+    /// `cubicBezierBool`.
+    pub const CUBIC_BEZIER_BOOL: u32 = 17;
+    /// `cubicBezierBool2`.
+    pub const CUBIC_BEZIER_BOOL_2: u32 = 18;
+    /// `newtonIterations`.
+    pub const NEWTON_ITERATIONS: u32 = 19;
+    /// `newtonEpsilon`.
+    pub const NEWTON_EPSILON: u32 = 20;
+    /// `wireframe`.
+    pub const WIREFRAME: u32 = 21;
+    /// `showControlPoints`.
+    pub const SHOW_CONTROL_POINTS: u32 = 22;
+    /// `pointSize`.
+    pub const POINT_SIZE: u32 = 23;
+}
+
+/// Binding point of `trimPointsSsbo`, as in listing 13.
+pub const TRIM_POINTS_BINDING: u32 = 1;
+/// Binding point of `trimShapesSsbo`.
+pub const TRIM_SHAPES_BINDING: u32 = 2;
+
+/// Which stages draw something.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Pipeline {
+    /// The thesis: double de Casteljau, Phong with two lights.
+    Thesis(Degree),
+    /// The report: 5×5 points, Bernstein, texture alone.
+    Report,
+    /// Control points as squares.
+    Points,
+}
+
+impl Pipeline {
+    /// The report draws what it can, unlit 5×5 patches; the thesis everything else.
+    #[must_use]
+    pub fn of(surface: &FreeFormSurface) -> Self {
+        match (surface.degree(), surface.shading()) {
+            (Degree::Quartic, Shading::Unlit) => Self::Report,
+            (degree, _) => Self::Thesis(degree),
+        }
+    }
+}
+
+/// The kinds of trims that are compiled in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct TrimFeatures {
+    /// `circBool`.
+    pub circles: bool,
+    /// `intervalBool`.
+    pub intervals: bool,
+    /// `ellipseBool`.
+    pub ellipses: bool,
+    /// More than one circle, interval or ellipse.
+    pub more_shapes: bool,
+    /// `bezierBool`.
+    pub quadratics: bool,
+    /// `bezierBool2`.
+    pub nested_quadratics: bool,
+    /// `cubicBezierBool`.
+    pub cubics: bool,
+    /// `cubicBezierBool2`.
+    pub nested_cubics: bool,
+}
+
+impl TrimFeatures {
+    /// Everything that listing 13 has.
+    pub const ALL: Self = Self {
+        circles: true,
+        intervals: true,
+        ellipses: true,
+        more_shapes: true,
+        quadratics: true,
+        nested_quadratics: true,
+        cubics: true,
+        nested_cubics: true,
+    };
+
+    /// Whether there is a loop of any form.
+    #[must_use]
+    pub const fn loops(&self) -> bool {
+        self.quadratics || self.nested_quadratics || self.cubics || self.nested_cubics
+    }
+
+    const fn any(&self) -> bool {
+        self.circles || self.intervals || self.ellipses || self.loops()
+    }
+
+    const fn defines(&self) -> [(&'static str, bool); 9] {
+        [
+            ("TRIMMED", self.any()),
+            ("CIRCLES", self.circles),
+            ("INTERVALS", self.intervals),
+            ("ELLIPSES", self.ellipses),
+            ("MORE_SHAPES", self.more_shapes),
+            ("QUADRATICS", self.quadratics),
+            ("NESTED_QUADRATICS", self.nested_quadratics),
+            ("CUBICS", self.cubics),
+            ("NESTED_CUBICS", self.nested_cubics),
+        ]
+    }
+}
+
+/// What a program is compiled from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ProgramKey {
+    /// The stages.
+    pub pipeline: Pipeline,
+    /// The fragment stage's light.
+    pub shading: Shading,
+    /// The fragment stage's trims.
+    pub trims: TrimFeatures,
+}
+
+macro_rules! glsl {
+    ($($file:literal),* $(,)?) => {
+        [$(($file, include_str!(concat!("../../glsl/", $file)))),*]
+    };
+}
+
+/// Every file of `glsl/`, by its path there.
+const FILES: [(&str, &str); 9] = glsl![
+    "thesis/surface.vert",
+    "thesis/surface.tesc",
+    "thesis/surface.tese",
+    "thesis/trim.glsl",
+    "thesis/surface.frag",
+    "report/surface.tesc",
+    "report/surface.tese",
+    "report/surface.frag",
+    "report/points.vert",
+];
+
+/// The texts of the shaders: the library's own, or others in their place.
+#[derive(Debug, Clone, Default)]
+pub struct Sources {
+    replaced: HashMap<&'static str, String>,
+}
+
+impl Sources {
+    /// Replaces `old` by `new` in a file, for experiments and for tests that must notice.
+    ///
+    /// # Panics
+    /// If `glsl/` has no such file, or the file does not contain `old`.
+    #[must_use]
+    pub fn with_edit(mut self, file: &str, old: &str, new: &str) -> Self {
+        let (name, own) = FILES
+            .iter()
+            .find(|(name, _)| *name == file)
+            .unwrap_or_else(|| panic!("glsl/ has no {file}"));
+        let text = self.replaced.entry(name).or_insert_with(|| (*own).to_owned());
+        assert!(text.contains(old), "glsl/{file} does not contain {old:?}");
+        *text = text.replace(old, new);
+        self
+    }
+
+    fn part(&self, file: &'static str) -> ShaderPart {
+        let own = || {
+            let (_, text) = FILES
+                .iter()
+                .find(|(name, _)| *name == file)
+                .expect("stages name files of the table");
+            Cow::Borrowed(*text)
+        };
+        ShaderPart {
+            file,
+            text: self
+                .replaced
+                .get(file)
+                .map_or_else(own, |text| Cow::Owned(text.clone())),
+        }
+    }
+
+    /// Compiles and links the program of a key.
+    ///
+    /// # Errors
+    /// A shader that the driver does not take; with file and line.
+    pub fn link(&self, gl: &Arc<glow::Context>, key: ProgramKey) -> Result<Program> {
+        use StageKind::{Fragment, TessControl, TessEvaluation, Vertex};
+        let (label, side, files): (_, _, &[(StageKind, &'static str)]) = match key.pipeline {
+            Pipeline::Thesis(degree) => (
+                "thesis surface",
+                degree.side(),
+                &[
+                    (Vertex, "thesis/surface.vert"),
+                    (TessControl, "thesis/surface.tesc"),
+                    (TessEvaluation, "thesis/surface.tese"),
+                    (Fragment, "thesis/surface.frag"),
+                ],
+            ),
+            Pipeline::Report => (
+                "report surface",
+                Degree::Quartic.side(),
+                &[
+                    (Vertex, "thesis/surface.vert"),
+                    (TessControl, "report/surface.tesc"),
+                    (TessEvaluation, "report/surface.tese"),
+                    (Fragment, "report/surface.frag"),
+                ],
+            ),
+            Pipeline::Points => (
+                "control points",
+                1,
+                &[(Vertex, "report/points.vert"), (Fragment, "report/surface.frag")],
+            ),
+        };
+        let mut defines = vec![("SIDE", side as u32)];
+        match key.shading {
+            Shading::Phong => defines.push(("PHONG", 1)),
+            Shading::Unlit => {}
+            Shading::Normals => defines.push(("NORMALS", 1)),
+        }
+        let on = key.trims.defines().into_iter().filter(|(_, on)| *on);
+        defines.extend(on.map(|(name, _)| (name, 1)));
+
+        let stages: Vec<Stage> = files
+            .iter()
+            .map(|(kind, file)| {
+                let mut parts = Vec::with_capacity(2);
+                if *kind == Fragment && key.trims.any() {
+                    parts.push(self.part("thesis/trim.glsl"));
+                }
+                parts.push(self.part(file));
+                Stage { kind: *kind, parts }
+            })
+            .collect();
+        Program::new(gl, label, &defines, &stages)
+    }
+}

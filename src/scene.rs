@@ -1,0 +1,340 @@
+//! A scene as plain data: what the parsers make and both renderers take.
+
+mod bpt;
+mod document;
+mod texture;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3, DVec4, dvec2, dvec3};
+
+use crate::bezier::check_control_point;
+use crate::camera::Projection;
+use crate::{Camera, Circle, Degree, Error, Newton, Patch, Result, Trims};
+
+pub use texture::load_texture;
+
+/// A picture that is laid over the domain of a surface; its first row is v = 1.
+pub type Image = image::RgbaImage;
+
+/// Scene files beyond this size are refused, so that a wrong file cannot eat the memory.
+const MAX_FILE_BYTES: u64 = 64 << 20;
+
+/// Surfaces, how they are drawn, and the camera that sees them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The camera; without one the scene is framed from the front.
+    pub camera: Option<Camera>,
+    /// The axis that stands upright when the scene is framed.
+    pub up: DVec3,
+    /// How it is drawn.
+    pub settings: RenderSettings,
+    /// What is drawn, in this order.
+    pub surfaces: Vec<Surface>,
+}
+
+/// How a scene is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RenderSettings {
+    /// Red, green, blue and alpha where nothing is drawn, each 0 … 1.
+    pub background: [f32; 4],
+    /// Tessellation level.
+    pub level: TessLevel,
+    /// Lines instead of filled triangles.
+    pub wireframe: bool,
+    /// Control points as blue squares on top.
+    pub control_points: bool,
+    /// How the thesis' trimming iterates.
+    pub newton: Newton,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            background: [0.2, 0.2, 0.25, 1.0],
+            level: TessLevel::default(),
+            wireframe: false,
+            control_points: false,
+            newton: Newton::default(),
+        }
+    }
+}
+
+/// How many parts an edge of a patch is cut into: a whole number from 1 to 64, the most that OpenGL
+/// asks of every driver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TessLevel(u32);
+
+impl TessLevel {
+    /// The highest level.
+    pub const MAX: Self = Self(64);
+
+    /// # Errors
+    /// Anything outside 1 … 64.
+    pub fn new(level: i64) -> Result<Self> {
+        match u32::try_from(level) {
+            Ok(level @ 1..=64) => Ok(Self(level)),
+            _ => Err(Error::invalid("level", level, "a whole number from 1 to 64")),
+        }
+    }
+
+    /// The number.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl Default for TessLevel {
+    /// 32, twice what the thesis calls the least for a detailed surface.
+    fn default() -> Self {
+        Self(32)
+    }
+}
+
+/// What a surface's points look like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Shading {
+    /// The thesis' Phong model with its two lights.
+    #[default]
+    Phong,
+    /// The picture or colour alone, as in the report.
+    Unlit,
+    /// The view-space normal n as the colour (n + 1) / 2.
+    Normals,
+}
+
+/// Colour of a surface before lighting.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Paint {
+    /// Red, green and blue, each 0 … 1.
+    Color([f32; 3]),
+    /// A picture over the domain, its alpha ignored; surfaces may share it.
+    Texture(Arc<Image>),
+}
+
+impl Default for Paint {
+    fn default() -> Self {
+        Self::Color([0.8, 0.8, 0.8])
+    }
+}
+
+/// One or more patches of one degree that share transform, paint and trims. Every patch has its own
+/// domain [0, 1]², so every patch is painted and trimmed alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    degree: Degree,
+    control_points: Vec<DVec4>,
+    /// Model space to world space.
+    pub transform: DMat4,
+    /// Colour before lighting.
+    pub paint: Paint,
+    /// Lighting.
+    pub shading: Shading,
+    /// What is cut out.
+    pub trims: Trims,
+}
+
+impl Surface {
+    /// Patches of 16 or 25 control points (x, y, z, weight), patch after patch.
+    ///
+    /// # Errors
+    /// No point, a number that is no multiple of the patch size, a point that is not finite, a
+    /// weight that is not above 0; points count from 0.
+    pub fn new(degree: Degree, control_points: Vec<DVec4>) -> Result<Self> {
+        if control_points.is_empty() || !control_points.len().is_multiple_of(degree.points()) {
+            return Err(Error::invalid(
+                "number of control points",
+                control_points.len(),
+                format!("{} for each patch", degree.points()),
+            ));
+        }
+        for (index, point) in control_points.iter().enumerate() {
+            check_control_point(*point, index)?;
+        }
+        Ok(Self {
+            degree,
+            control_points,
+            transform: DMat4::IDENTITY,
+            paint: Paint::default(),
+            shading: Shading::default(),
+            trims: Trims::default(),
+        })
+    }
+
+    /// The degree of all patches.
+    #[must_use]
+    pub const fn degree(&self) -> Degree {
+        self.degree
+    }
+
+    /// The control points of all patches.
+    #[must_use]
+    pub fn control_points(&self) -> &[DVec4] {
+        &self.control_points
+    }
+
+    /// Moves one control point; `index` counts through all patches.
+    ///
+    /// # Errors
+    /// An index out of range, a point that is not finite, a weight that is not above 0. The surface
+    /// stays as it was.
+    pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
+        let count = self.control_points.len();
+        let Some(place) = self.control_points.get_mut(index) else {
+            return Err(Error::invalid(
+                "index of a control point",
+                index,
+                format!("0 to {}", count - 1),
+            ));
+        };
+        check_control_point(point, index)?;
+        *place = point;
+        Ok(())
+    }
+
+    /// The patches in order.
+    pub fn patches(&self) -> impl ExactSizeIterator<Item = Patch<'_>> + '_ {
+        self.control_points
+            .chunks_exact(self.degree.points())
+            .map(|points| Patch::new(self.degree, points))
+    }
+
+    /// Control points in world space, without their weights. The surface lies in their hull.
+    pub fn world_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        self.control_points
+            .iter()
+            .map(|point| self.transform.transform_point3(point.truncate()))
+    }
+}
+
+/// The 16 control points of a new surface: the grid of listing 16, flat in y = 0, row by row from
+/// the front (z = 0.5) to the back, every row from left to right.
+#[must_use]
+pub fn default_control_points() -> Vec<DVec4> {
+    const PLACES: [f64; 4] = [-0.5, -0.17, 0.17, 0.5];
+    PLACES
+        .iter()
+        .rev()
+        .flat_map(|z| PLACES.iter().map(move |x| DVec4::new(*x, 0.0, *z, 1.0)))
+        .collect()
+}
+
+impl Scene {
+    /// Reads a `.toml` or `.bpt` file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, is of another kind, or does not describe a scene; with the line.
+    pub fn load(path: &Path) -> Result<Self> {
+        let text = read_text(path)?;
+        match extension(path).as_str() {
+            "toml" => document::parse(&text, path),
+            "bpt" => bpt::parse(&text, path).map(Self::of_patches),
+            other => Err(Error::File {
+                action: "read",
+                path: path.to_owned(),
+                reason: format!("a scene is a .toml or .bpt file, not \"{other}\""),
+            }),
+        }
+    }
+
+    /// Parses the text of a `.toml` scene; files it names are found relative to the folder of
+    /// `path`, which also stands in the errors.
+    ///
+    /// # Errors
+    /// Text that does not describe a scene, a file in it that cannot be read; with the line.
+    pub fn from_toml(text: &str, path: &Path) -> Result<Self> {
+        document::parse(text, path)
+    }
+
+    /// Parses the text of a `.bpt` file: a framed scene with z upright. `path` stands in the errors.
+    ///
+    /// # Errors
+    /// Text that is no list of Bézier patches of degree 3 or 4; with the line.
+    pub fn from_bpt(text: &str, path: &Path) -> Result<Self> {
+        bpt::parse(text, path).map(Self::of_patches)
+    }
+
+    /// The scene of listing 16: the default surface with its four inner points raised, a round hole
+    /// and bricks.
+    ///
+    /// # Panics
+    /// Never: what it is made of is fixed.
+    #[must_use]
+    pub fn listing16() -> Self {
+        let mut surface = Surface::new(Degree::Cubic, default_control_points())
+            .expect("the default control points make one patch");
+        for index in [5, 6, 9, 10] {
+            surface.control_points[index].y = 0.5;
+        }
+        surface.transform = DMat4::from_translation(dvec3(0.0, 1.0, 0.0));
+        surface.paint = Paint::Texture(Arc::new(texture::brick()));
+        let hole = Circle::new(dvec2(0.5, 0.5), 0.2).expect("a fixed circle");
+        surface.trims.circles.push(hole);
+        Self {
+            camera: None,
+            up: DVec3::Y,
+            settings: RenderSettings::default(),
+            surfaces: vec![surface],
+        }
+    }
+
+    fn of_patches(surfaces: Vec<Surface>) -> Self {
+        Self {
+            camera: None,
+            up: DVec3::Z,
+            settings: RenderSettings::default(),
+            surfaces,
+        }
+    }
+
+    /// The matrices of a picture of so many pixels.
+    #[must_use]
+    pub fn projection(&self, width: u32, height: u32) -> Projection {
+        let aspect = f64::from(width) / f64::from(height);
+        let points = self.surfaces.iter().flat_map(Surface::world_points);
+        self.camera
+            .unwrap_or_else(|| Camera::framing(points.clone(), self.up, aspect))
+            .projection(points, aspect)
+    }
+}
+
+/// The extension in lower case, without the dot.
+fn extension(path: &Path) -> String {
+    path.extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase())
+        .unwrap_or_default()
+}
+
+/// The text of a scene file, refused by name if it is no file, too large, empty or no UTF-8.
+fn read_text(path: &Path) -> Result<String> {
+    let fail = |reason: String| Error::File {
+        action: "read",
+        path: path.to_owned(),
+        reason,
+    };
+    let metadata = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?;
+    if metadata.is_dir() {
+        return Err(fail("it is a folder, expected a file".into()));
+    }
+    if metadata.len() > MAX_FILE_BYTES {
+        let (size, most) = (metadata.len(), MAX_FILE_BYTES);
+        return Err(fail(format!("{size} bytes; a scene has at most {most}")));
+    }
+    let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
+    let text = String::from_utf8(bytes)
+        .map_err(|error| fail(format!("it is not text (byte {})", error.utf8_error().valid_up_to())))?;
+    if text.trim().is_empty() {
+        return Err(fail("it is empty".into()));
+    }
+    Ok(text)
+}
+
+/// The line, from 1, of a byte offset.
+fn line_of(text: &str, offset: usize) -> usize {
+    1 + text.as_bytes()[..offset.min(text.len())]
+        .iter()
+        .filter(|byte| **byte == b'\n')
+        .count()
+}

@@ -1,0 +1,224 @@
+//! `.bpt` files: a count of patches, then for each patch two integers and its points, row by row.
+//!
+//! Two dialects are about. The integers are degrees (`3 3` before 16 points) or numbers of points
+//! (`4 4` before 16 points); only the number of values that follow tells which.
+
+use std::path::Path;
+
+use glam::DVec4;
+
+use super::{Surface, line_of};
+use crate::{Degree, Error, Result};
+
+/// What the two integers before a patch mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Dialect {
+    Degrees,
+    Counts,
+}
+
+/// A fault and the number of the value where it shows.
+struct Fault {
+    value: usize,
+    message: String,
+}
+
+/// Surfaces of the patches in file order; neighbours of one degree share a surface.
+pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Surface>> {
+    numbers(text)
+        .and_then(|values| surfaces(&values))
+        .map_err(|fault| Error::Scene {
+            path: path.to_owned(),
+            line: line_of_value(text, fault.value),
+            message: fault.message,
+        })
+}
+
+fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
+    text.split_whitespace()
+        .enumerate()
+        .map(|(value, word)| {
+            word.parse().map_err(|_| Fault {
+                value,
+                message: format!("\"{}\" is no number", shortened(word)),
+            })
+        })
+        .collect()
+}
+
+/// At most 20 characters, so that a binary file makes no page of an error.
+fn shortened(word: &str) -> String {
+    word.chars()
+        .take(20)
+        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
+        .collect()
+}
+
+fn line_of_value(text: &str, value: usize) -> usize {
+    let start = text
+        .split_whitespace()
+        .nth(value)
+        .map_or(text.trim_end().len(), |word| word.as_ptr() as usize - text.as_ptr() as usize);
+    line_of(text, start)
+}
+
+fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
+    let patches = match (walk(values, Dialect::Degrees), walk(values, Dialect::Counts)) {
+        (Ok(patches), _) | (Err(_), Ok(patches)) => patches,
+        // Neither fits: tell of the dialect in which the first patch makes sense.
+        (Err(degrees), Err(counts)) => {
+            let first_is_count = values.get(1).is_some_and(|first| *first >= 5.0);
+            return Err(if first_is_count { counts } else { degrees });
+        }
+    };
+    let mut surfaces: Vec<(Degree, Vec<DVec4>)> = Vec::new();
+    for PatchValues { sides, start } in patches {
+        let degree = match sides {
+            [4, 4] => Degree::Cubic,
+            [5, 5] => Degree::Quartic,
+            [u, v] => {
+                return Err(Fault {
+                    value: start,
+                    message: format!("a patch of {u}×{v} points; expected 4×4 or 5×5"),
+                });
+            }
+        };
+        let points = &values[start..start + 3 * degree.points()];
+        if let Some(bad) = points.iter().position(|value| !value.is_finite()) {
+            return Err(Fault {
+                value: start + bad,
+                message: format!("a coordinate is {}; expected a finite number", points[bad]),
+            });
+        }
+        if surfaces.last().is_none_or(|(last, _)| *last != degree) {
+            surfaces.push((degree, Vec::new()));
+        }
+        let (_, all) = surfaces.last_mut().expect("one was just pushed");
+        all.extend(points.chunks_exact(3).map(|p| DVec4::new(p[0], p[1], p[2], 1.0)));
+    }
+    surfaces
+        .into_iter()
+        .map(|(degree, points)| {
+            Surface::new(degree, points).map_err(|error| Fault {
+                value: 0,
+                message: error.to_string(),
+            })
+        })
+        .collect()
+}
+
+/// A patch's points along u and v, and the number of its first coordinate.
+struct PatchValues {
+    sides: [usize; 2],
+    start: usize,
+}
+
+/// The patches if the whole file reads in this dialect.
+fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
+    let fault = |value, message: String| Err(Fault { value, message });
+    let Some(count) = values.first().copied().and_then(whole) else {
+        return fault(0, "expected the number of patches, a whole number above 0".into());
+    };
+    let mut patches = Vec::new();
+    let mut next = 1;
+    for patch in 0..count {
+        let Some(header) = values.get(next..next + 2) else {
+            return fault(next, format!("{count} patches announced, but the file ends after {patch}"));
+        };
+        let (Some(first), Some(second)) = (whole(header[0]), whole(header[1])) else {
+            return fault(next, format!("patch {patch} begins with {header:?}; expected two degrees"));
+        };
+        let extra = usize::from(dialect == Dialect::Degrees);
+        let sides = [first.saturating_add(extra), second.saturating_add(extra)];
+        let start = next + 2;
+        let coordinates = sides[0].saturating_mul(sides[1]).saturating_mul(3);
+        if coordinates > values.len() - start {
+            return fault(
+                values.len(),
+                format!(
+                    "patch {patch} has {}×{} points, but the file ends after {} of its {coordinates} coordinates",
+                    sides[0],
+                    sides[1],
+                    values.len() - start,
+                ),
+            );
+        }
+        patches.push(PatchValues { sides, start });
+        next = start + coordinates;
+    }
+    if next < values.len() {
+        let rest = values.len() - next;
+        return fault(next, format!("{rest} more values after the last of {count} patches"));
+    }
+    Ok(patches)
+}
+
+/// A whole number from 1 that an index can hold.
+fn whole(value: f64) -> Option<usize> {
+    (value >= 1.0 && value.fract() == 0.0 && value < 2f64.powi(48)).then_some(value as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(header: &str, patches: &[(&str, usize)]) -> String {
+        let mut text = format!("{header}\n");
+        for (head, points) in patches {
+            text += &format!("{head}\n");
+            for i in 0..*points {
+                text += &format!("{} {} {}\n", i % 4, i / 4, 0.5);
+            }
+        }
+        text
+    }
+
+    fn patches(text: &str) -> Vec<(Degree, usize)> {
+        parse(text, Path::new("x.bpt"))
+            .unwrap()
+            .iter()
+            .map(|surface| (surface.degree(), surface.patches().len()))
+            .collect()
+    }
+
+    fn error(text: &str) -> String {
+        parse(text, Path::new("x.bpt")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn both_dialects_are_told_apart_by_the_number_of_values() {
+        use Degree::{Cubic, Quartic};
+        assert_eq!(patches(&text("2", &[("3 3", 16), ("3 3", 16)])), [(Cubic, 2)]);
+        assert_eq!(patches(&text("2", &[("4 4", 16), ("4 4", 16)])), [(Cubic, 2)]);
+        assert_eq!(patches(&text("1", &[("4 4", 25)])), [(Quartic, 1)]);
+        assert_eq!(patches(&text("1", &[("5 5", 25)])), [(Quartic, 1)]);
+        assert_eq!(
+            patches(&text("3", &[("3 3", 16), ("4 4", 25), ("3 3", 16)])),
+            [(Cubic, 1), (Quartic, 1), (Cubic, 1)]
+        );
+        assert_eq!(
+            patches(&text("2", &[("4 4", 16), ("5 5", 25)])),
+            [(Cubic, 1), (Quartic, 1)]
+        );
+    }
+
+    #[test]
+    fn faults_name_the_line_and_what_was_expected() {
+        for (text, words) in [
+            ("32 3 3 1 2", ["x.bpt:1:", "ends after 2 of its 48"]),
+            ("1073741824\n3 3\n", ["x.bpt:2:", "ends after 0 of its 48"]),
+            (&text("1073741824", &[("3 3", 16)]), ["x.bpt:18:", "ends after 1"]),
+            (&text("1", &[("3 3", 17)]), ["x.bpt:19:", "3 more values"]),
+            ("1\n3 3\n0 0 zero", ["x.bpt:3:", "\"zero\" is no number"]),
+            ("0", ["x.bpt:1:", "above 0"]),
+            ("-3", ["x.bpt:1:", "above 0"]),
+            ("1.5", ["x.bpt:1:", "whole"]),
+            (&text("1", &[("1 1", 4)]), ["x.bpt:3:", "2×2 points; expected 4×4 or 5×5"]),
+            (&text("1", &[("3 3", 16)]).replace("3 3 0.5", "3 nan 0.5"), ["x.bpt:18:", "NaN"]),
+            ("1 1e300 1e300 1", ["x.bpt:1:", "two degrees"]),
+        ] {
+            let message = error(text);
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
+        }
+    }
+}

@@ -1,0 +1,408 @@
+//! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every fault names its line.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::{DMat4, DVec2, DVec3, DVec4, EulerRot};
+use serde::Deserialize;
+use serde::de::{Deserializer, SeqAccess, Visitor};
+use toml::Spanned;
+
+use super::{
+    Image, Paint, RenderSettings, Scene, Shading, Surface, TessLevel, bpt, default_control_points,
+    line_of, load_texture, read_text,
+};
+use crate::camera::Lens;
+use crate::{
+    Camera, Circle, Degree, Ellipse, Error, Interval, Newton, NewtonTrims, Result, Segment, TrimLoop,
+};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    camera: Option<Spanned<CameraTable>>,
+    #[serde(default)]
+    render: RenderTable,
+    #[serde(default)]
+    surface: Vec<Spanned<SurfaceTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraTable {
+    eye: DVec3Value,
+    target: DVec3Value,
+    #[serde(default = "upright")]
+    up: DVec3Value,
+    fov_y_degrees: Option<f64>,
+    orthographic_height: Option<f64>,
+}
+
+type DVec3Value = [f64; 3];
+
+const fn upright() -> DVec3Value {
+    [0.0, 1.0, 0.0]
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct RenderTable {
+    background: Option<Spanned<[f32; 4]>>,
+    /// Only one method so far; the key is there so that a scene can say which it was made for.
+    #[serde(rename = "method")]
+    _method: Option<Method>,
+    level: Option<Spanned<i64>>,
+    wireframe: bool,
+    control_points: bool,
+    newton: Option<Spanned<NewtonTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Method {
+    Thesis,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NewtonTable {
+    iterations: Option<u32>,
+    epsilon: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SurfaceTable {
+    control_points: Option<Spanned<ControlPoints>>,
+    file: Option<Spanned<String>>,
+    texture: Option<Spanned<String>>,
+    color: Option<Spanned<[f32; 3]>>,
+    #[serde(default)]
+    shading: ShadingName,
+    translate: Option<DVec3Value>,
+    rotate_degrees: Option<DVec3Value>,
+    scale: Option<f64>,
+    #[serde(default)]
+    trim: Vec<Spanned<TrimTable>>,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum ShadingName {
+    #[default]
+    Phong,
+    Texture,
+    Flat,
+    Normals,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+enum TrimTable {
+    Circle { center: [f64; 2], radius: f64 },
+    Interval { u: [f64; 2], v: [f64; 2] },
+    Ellipse { center: [f64; 2], radii: [f64; 2] },
+    Loop(Vec<Vec<[f64; 2]>>),
+}
+
+/// `"default"`, or points of three or four numbers.
+enum ControlPoints {
+    Default,
+    Points(Vec<DVec4>),
+}
+
+impl<'de> Deserialize<'de> for ControlPoints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PointsVisitor;
+        impl<'de> Visitor<'de> for PointsVisitor {
+            type Value = ControlPoints;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("16 or 25 points [x, y, z] or [x, y, z, weight], or \"default\"")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {
+                match text {
+                    "default" => Ok(ControlPoints::Default),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
+                }
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut points = Vec::new();
+                while let Some(ControlPoint(point)) = seq.next_element()? {
+                    points.push(point);
+                }
+                Ok(ControlPoints::Points(points))
+            }
+        }
+        deserializer.deserialize_any(PointsVisitor)
+    }
+}
+
+/// One point; the weight is 1 where it is not given.
+struct ControlPoint(DVec4);
+
+impl<'de> Deserialize<'de> for ControlPoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PointVisitor;
+        impl<'de> Visitor<'de> for PointVisitor {
+            type Value = ControlPoint;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a point [x, y, z] or [x, y, z, weight]")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut point = DVec4::W;
+                let mut count = 0;
+                while let Some(value) = seq.next_element()? {
+                    if count < 4 {
+                        point[count] = value;
+                    }
+                    count += 1;
+                }
+                if matches!(count, 3 | 4) {
+                    Ok(ControlPoint(point))
+                } else {
+                    Err(serde::de::Error::invalid_length(count, &self))
+                }
+            }
+        }
+        deserializer.deserialize_seq(PointVisitor)
+    }
+}
+
+/// Parses a scene; `path` is for the errors and for the folder of the files it names.
+pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
+    let document: Document = toml::from_str(text).map_err(|error| Error::Scene {
+        path: path.to_owned(),
+        line: line_of(text, error.span().map_or(0, |span| span.start)),
+        message: error.message().trim().replace('\n', " "),
+    })?;
+    Builder {
+        text,
+        path,
+        textures: HashMap::new(),
+    }
+    .scene(document)
+}
+
+struct Builder<'a> {
+    text: &'a str,
+    path: &'a Path,
+    textures: HashMap<PathBuf, Arc<Image>>,
+}
+
+impl Builder<'_> {
+    /// An error at the line of a byte of the text.
+    fn at(&self, offset: usize, error: &Error) -> Error {
+        Error::Scene {
+            path: self.path.to_owned(),
+            line: line_of(self.text, offset),
+            message: error.to_string(),
+        }
+    }
+
+    /// Checks a value, giving a fault the line where the value stands.
+    fn check<T, U>(&self, value: Spanned<T>, check: impl FnOnce(T) -> Result<U>) -> Result<U> {
+        let start = value.span().start;
+        check(value.into_inner()).map_err(|error| self.at(start, &error))
+    }
+
+    fn beside_scene(&self, file: &str) -> PathBuf {
+        self.path.parent().unwrap_or_else(|| Path::new("")).join(file)
+    }
+
+    fn scene(mut self, document: Document) -> Result<Scene> {
+        if document.surface.is_empty() {
+            let nothing = Error::invalid("scene", "empty", "at least one [[surface]]");
+            return Err(self.at(0, &nothing));
+        }
+        let camera = document.camera.map(|table| self.check(table, camera)).transpose()?;
+        let settings = self.settings(document.render)?;
+        let mut surfaces = Vec::with_capacity(document.surface.len());
+        for table in document.surface {
+            surfaces.extend(self.surfaces(table)?);
+        }
+        Ok(Scene {
+            camera,
+            up: DVec3::Y,
+            settings,
+            surfaces,
+        })
+    }
+
+    fn settings(&self, table: RenderTable) -> Result<RenderSettings> {
+        let mut settings = RenderSettings {
+            wireframe: table.wireframe,
+            control_points: table.control_points,
+            ..RenderSettings::default()
+        };
+        if let Some(background) = table.background {
+            settings.background = self.check(background, |rgba| unit_range("background", rgba))?;
+        }
+        if let Some(level) = table.level {
+            settings.level = self.check(level, TessLevel::new)?;
+        }
+        if let Some(newton) = table.newton {
+            settings.newton = self.check(newton, |table| {
+                let default = Newton::default();
+                Newton::new(
+                    table.iterations.unwrap_or(default.iterations()),
+                    table.epsilon.unwrap_or(default.epsilon()),
+                )
+            })?;
+        }
+        Ok(settings)
+    }
+
+    /// The surface of one table; several if its file holds patches of two degrees.
+    fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<Vec<Surface>> {
+        let start = table.span().start;
+        let table = table.into_inner();
+        let mut surfaces = match (table.control_points, table.file) {
+            (Some(points), None) => vec![self.check(points, surface_of_points)?],
+            (None, Some(file)) => {
+                let path = self.beside_scene(file.get_ref());
+                self.check(file, |_| bpt::parse(&read_text(&path)?, &path))?
+            }
+            _ => {
+                let choice = Error::invalid(
+                    "surface",
+                    "without one source of points",
+                    "either control_points or file",
+                );
+                return Err(self.at(start, &choice));
+            }
+        };
+        let paint = self.paint(table.texture, table.color, table.shading)?;
+        let transform = transform(table.translate, table.rotate_degrees, table.scale)
+            .map_err(|error| self.at(start, &error))?;
+        for surface in &mut surfaces {
+            surface.transform = transform;
+            surface.paint = paint.clone();
+            surface.shading = match table.shading {
+                ShadingName::Phong => Shading::Phong,
+                ShadingName::Texture | ShadingName::Flat => Shading::Unlit,
+                ShadingName::Normals => Shading::Normals,
+            };
+        }
+        for trim in table.trim {
+            self.check(trim, |trim| {
+                surfaces.iter_mut().try_for_each(|surface| add_trim(&trim, surface))
+            })?;
+        }
+        Ok(surfaces)
+    }
+
+    fn paint(
+        &mut self,
+        texture: Option<Spanned<String>>,
+        color: Option<Spanned<[f32; 3]>>,
+        shading: ShadingName,
+    ) -> Result<Paint> {
+        match (texture, color) {
+            (None, None) => Ok(Paint::default()),
+            (None, Some(color)) => self.check(color, |rgb| unit_range("color", rgb)).map(Paint::Color),
+            (Some(texture), None) if shading != ShadingName::Flat => {
+                let path = self.beside_scene(texture.get_ref());
+                if let Some(image) = self.textures.get(&path) {
+                    return Ok(Paint::Texture(Arc::clone(image)));
+                }
+                let image = Arc::new(self.check(texture, |_| load_texture(&path))?);
+                self.textures.insert(path, Arc::clone(&image));
+                Ok(Paint::Texture(image))
+            }
+            (Some(texture), _) => self.check(texture, |name| {
+                Err(Error::invalid(
+                    "texture",
+                    format!("\"{name}\" beside color or shading = \"flat\""),
+                    "either a texture or a color; flat takes a color",
+                ))
+            }),
+        }
+    }
+}
+
+fn camera(table: CameraTable) -> Result<Camera> {
+    let lens = match (table.fov_y_degrees, table.orthographic_height) {
+        (fov, None) => Lens::Perspective {
+            fov_y_radians: fov.unwrap_or(45.0).to_radians(),
+        },
+        (None, Some(height)) => Lens::Orthographic { height },
+        (Some(_), Some(_)) => {
+            return Err(Error::invalid(
+                "camera",
+                "given fov_y_degrees and orthographic_height",
+                "one of them",
+            ));
+        }
+    };
+    Camera::new(table.eye.into(), table.target.into(), table.up.into(), lens)
+}
+
+fn surface_of_points(points: ControlPoints) -> Result<Surface> {
+    let points = match points {
+        ControlPoints::Default => default_control_points(),
+        ControlPoints::Points(points) => points,
+    };
+    Surface::new(Degree::from_point_count(points.len())?, points)
+}
+
+fn unit_range<const N: usize>(name: &str, values: [f32; N]) -> Result<[f32; N]> {
+    if values.iter().all(|value| (0.0..=1.0).contains(value)) {
+        Ok(values)
+    } else {
+        Err(Error::invalid(name, format!("{values:?}"), "numbers from 0 to 1"))
+    }
+}
+
+/// Scale first, then the rotations about x, y and z, then the translation.
+fn transform(
+    translate: Option<DVec3Value>,
+    rotate_degrees: Option<DVec3Value>,
+    scale: Option<f64>,
+) -> Result<DMat4> {
+    let translate = DVec3::from(translate.unwrap_or_default());
+    let rotate = DVec3::from(rotate_degrees.unwrap_or_default());
+    let scale = scale.unwrap_or(1.0);
+    for (name, vector) in [("translate", translate), ("rotate_degrees", rotate)] {
+        if !vector.is_finite() {
+            return Err(Error::invalid(name, vector, "finite numbers"));
+        }
+    }
+    if !(scale.is_finite() && scale != 0.0) {
+        return Err(Error::invalid("scale", scale, "a finite number other than 0"));
+    }
+    let radians = rotate.map(f64::to_radians);
+    Ok(DMat4::from_translation(translate)
+        * DMat4::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)
+        * DMat4::from_scale(DVec3::splat(scale)))
+}
+
+fn add_trim(trim: &TrimTable, surface: &mut Surface) -> Result<()> {
+    let trims = &mut surface.trims;
+    match trim {
+        TrimTable::Circle { center, radius } => {
+            trims.circles.push(Circle::new(DVec2::from(*center), *radius)?);
+        }
+        TrimTable::Interval { u, v } => {
+            trims.intervals.push(Interval::new(DVec2::from(*u), DVec2::from(*v))?);
+        }
+        TrimTable::Ellipse { center, radii } => {
+            trims.ellipses.push(Ellipse::new(DVec2::from(*center), DVec2::from(*radii))?);
+        }
+        TrimTable::Loop(segments) => {
+            let segments = segments.iter().map(|points| {
+                let points: Vec<DVec2> = points.iter().map(|point| DVec2::from(*point)).collect();
+                Segment::new(&points)
+            });
+            let trim_loop = TrimLoop::new(segments.collect::<Result<_>>()?)?;
+            NewtonTrims::from_loops(std::slice::from_ref(&trim_loop))?;
+            trims.loops.push(trim_loop);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! Pictures for surfaces: PNG, JPEG and BMP files, told apart by their first bytes.
+
+use std::io::{BufReader, Cursor};
+use std::path::Path;
+
+use image::{ImageReader, Limits};
+
+use super::Image;
+use crate::{Error, Result};
+
+/// The width and height that every OpenGL 4.5 driver can hold in a texture.
+const MAX_SIDE: u32 = 16_384;
+/// The most bytes a picture may need while it is decoded: one of 16,384² pixels.
+const MAX_BYTES: u64 = 4 * MAX_SIDE as u64 * MAX_SIDE as u64;
+
+/// Reads a picture.
+///
+/// # Errors
+/// A file that cannot be read, is no PNG, JPEG or BMP picture, or is larger than 16,384 pixels a
+/// side.
+pub fn load_texture(path: &Path) -> Result<Image> {
+    let fail = |reason: String| Error::File {
+        action: "read",
+        path: path.to_owned(),
+        reason,
+    };
+    if path.is_dir() {
+        return Err(fail("it is a folder, expected a picture".into()));
+    }
+    let open = || -> std::io::Result<ImageReader<BufReader<std::fs::File>>> {
+        ImageReader::open(path)?.with_guessed_format()
+    };
+    let (width, height) = open()
+        .map_err(|error| fail(error.to_string()))?
+        .into_dimensions()
+        .map_err(|error| fail(format!("no PNG, JPEG or BMP picture ({error})")))?;
+    if width > MAX_SIDE || height > MAX_SIDE || width == 0 || height == 0 {
+        return Err(fail(format!(
+            "it has {width} × {height} pixels; a texture has 1 to {MAX_SIDE} a side"
+        )));
+    }
+    let mut reader = open().map_err(|error| fail(error.to_string()))?;
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_BYTES);
+    reader.limits(limits);
+    let picture = reader.decode().map_err(|error| fail(error.to_string()))?;
+    Ok(picture.into_rgba8())
+}
+
+/// The brick picture of `resources/textures`, which travels inside the library.
+pub(super) fn brick() -> Image {
+    let bytes = include_bytes!("../../resources/textures/brick.png");
+    ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png)
+        .decode()
+        .expect("the picture inside the library is whole")
+        .into_rgba8()
+}

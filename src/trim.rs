@@ -1,0 +1,340 @@
+//! What is cut out of a surface, as plain data over its (u, v) domain.
+//!
+//! Circles, intervals and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
+//! inside a loop is an island that stays.
+
+mod inside;
+mod newton;
+
+use glam::DVec2;
+
+pub use inside::inside_loops;
+pub use newton::{Newton, NewtonTrims};
+
+use crate::{Error, Result};
+
+/// Ends of neighbouring curves closer than this (in the domain's unit) are taken as one point.
+const SNAP: f64 = 1e-6;
+
+fn check_finite(name: &str, point: DVec2) -> Result<()> {
+    if point.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::invalid(name, point, "finite coordinates"))
+    }
+}
+
+fn check_radius(name: &str, radius: f64) -> Result<()> {
+    if radius.is_finite() && radius >= 0.0 {
+        Ok(())
+    } else {
+        Err(Error::invalid(name, radius, "a finite number, 0 or above"))
+    }
+}
+
+/// Cuts every (u, v) closer to `center` than `radius` (thesis, section 3.1.2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Circle {
+    /// Centre in the domain.
+    pub center: DVec2,
+    /// Radius in the domain's unit; 0 cuts nothing.
+    pub radius: f64,
+}
+
+impl Circle {
+    /// # Errors
+    /// A centre or radius that is not finite, a negative radius.
+    pub fn new(center: DVec2, radius: f64) -> Result<Self> {
+        check_finite("circle center", center)?;
+        check_radius("circle radius", radius)?;
+        Ok(Self { center, radius })
+    }
+
+    /// Whether `uv` is cut.
+    #[must_use]
+    pub fn cuts(&self, uv: DVec2) -> bool {
+        uv.distance(self.center) < self.radius
+    }
+}
+
+/// Cuts the closed rectangle `u` × `v` (thesis, section 3.1.1).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interval {
+    /// First and last u.
+    pub u: DVec2,
+    /// First and last v.
+    pub v: DVec2,
+}
+
+impl Interval {
+    /// # Errors
+    /// A bound that is not finite, or a first bound above its last.
+    pub fn new(u: DVec2, v: DVec2) -> Result<Self> {
+        for (name, range) in [("interval u", u), ("interval v", v)] {
+            check_finite(name, range)?;
+            if range.x > range.y {
+                return Err(Error::invalid(name, range, "[first, last] with first ≤ last"));
+            }
+        }
+        Ok(Self { u, v })
+    }
+
+    /// Whether `uv` is cut.
+    #[must_use]
+    pub fn cuts(&self, uv: DVec2) -> bool {
+        (self.u.x..=self.u.y).contains(&uv.x) && (self.v.x..=self.v.y).contains(&uv.y)
+    }
+}
+
+/// Cuts the closed ellipse with axes along u and v (thesis, section 3.1.3, formula 14).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ellipse {
+    /// Centre in the domain.
+    pub center: DVec2,
+    /// Half axes along u and v; a zero cuts nothing.
+    pub radii: DVec2,
+}
+
+impl Ellipse {
+    /// # Errors
+    /// A centre or radius that is not finite, a negative radius.
+    pub fn new(center: DVec2, radii: DVec2) -> Result<Self> {
+        check_finite("ellipse center", center)?;
+        check_radius("ellipse radius along u", radii.x)?;
+        check_radius("ellipse radius along v", radii.y)?;
+        Ok(Self { center, radii })
+    }
+
+    /// Whether `uv` is cut.
+    #[must_use]
+    pub fn cuts(&self, uv: DVec2) -> bool {
+        let d = uv - self.center;
+        let r = self.radii;
+        r.cmpgt(DVec2::ZERO).all() && (d * d / (r * r)).element_sum() <= 1.0
+    }
+}
+
+/// One curve of a loop in Bézier form.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Segment {
+    /// From the first point straight to the second.
+    Line([DVec2; 2]),
+    /// Quadratic Bézier curve.
+    Quadratic([DVec2; 3]),
+    /// Cubic Bézier curve.
+    Cubic([DVec2; 4]),
+}
+
+impl Segment {
+    /// A line, quadratic or cubic from 2, 3 or 4 control points.
+    ///
+    /// # Errors
+    /// Another number of points.
+    pub fn new(points: &[DVec2]) -> Result<Self> {
+        match *points {
+            [a, b] => Ok(Self::Line([a, b])),
+            [a, b, c] => Ok(Self::Quadratic([a, b, c])),
+            [a, b, c, d] => Ok(Self::Cubic([a, b, c, d])),
+            _ => Err(Error::invalid(
+                "number of points of a segment",
+                points.len(),
+                "2 (line), 3 (quadratic) or 4 (cubic)",
+            )),
+        }
+    }
+
+    /// The control points.
+    #[must_use]
+    pub const fn points(&self) -> &[DVec2] {
+        match self {
+            Self::Line(points) => points,
+            Self::Quadratic(points) => points,
+            Self::Cubic(points) => points,
+        }
+    }
+
+    const fn points_mut(&mut self) -> &mut [DVec2] {
+        match self {
+            Self::Line(points) => points,
+            Self::Quadratic(points) => points,
+            Self::Cubic(points) => points,
+        }
+    }
+
+    /// First point of the curve.
+    #[must_use]
+    pub const fn start(&self) -> DVec2 {
+        self.points()[0]
+    }
+
+    /// Last point of the curve.
+    #[must_use]
+    pub const fn end(&self) -> DVec2 {
+        let points = self.points();
+        points[points.len() - 1]
+    }
+}
+
+/// A closed chain of segments: each starts where the one before it ends, the first where the last
+/// ends.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrimLoop {
+    segments: Vec<Segment>,
+}
+
+impl TrimLoop {
+    /// Closes the chain: gaps below 1e-6 are snapped shut.
+    ///
+    /// # Errors
+    /// No segment, a point that is not finite, a gap of 1e-6 or more; segments count from 0.
+    pub fn new(mut segments: Vec<Segment>) -> Result<Self> {
+        if segments.is_empty() {
+            return Err(Error::invalid("loop", "empty", "at least one segment"));
+        }
+        for (i, segment) in segments.iter().enumerate() {
+            for point in segment.points() {
+                check_finite(&format!("a point of segment {i}"), *point)?;
+            }
+        }
+        let count = segments.len();
+        for i in 0..count {
+            let next = (i + 1) % count;
+            let (end, start) = (segments[i].end(), segments[next].start());
+            if end.distance(start) >= SNAP {
+                return Err(Error::invalid(
+                    format!("gap between the end of segment {i} and the start of segment {next}"),
+                    end.distance(start),
+                    "less than 0.000001: a closed loop",
+                ));
+            }
+            segments[next].points_mut()[0] = end;
+        }
+        Ok(Self { segments })
+    }
+
+    /// The segments in order.
+    #[must_use]
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
+    }
+
+    /// Box of the control points: least and greatest (u, v). It holds the loop.
+    #[must_use]
+    pub fn control_box(&self) -> [DVec2; 2] {
+        let mut corners = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+        for point in self.segments.iter().flat_map(Segment::points) {
+            corners = [corners[0].min(*point), corners[1].max(*point)];
+        }
+        corners
+    }
+}
+
+/// All trims of one surface, and which kinds are switched on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trims {
+    /// Circles, cut while [`Trims::circles_on`].
+    pub circles: Vec<Circle>,
+    /// Intervals, cut while [`Trims::intervals_on`].
+    pub intervals: Vec<Interval>,
+    /// Ellipses, cut while [`Trims::ellipses_on`].
+    pub ellipses: Vec<Ellipse>,
+    /// Loops, combined by even-odd while [`Trims::loops_on`].
+    pub loops: Vec<TrimLoop>,
+    /// Switch of the circles.
+    pub circles_on: bool,
+    /// Switch of the intervals.
+    pub intervals_on: bool,
+    /// Switch of the ellipses.
+    pub ellipses_on: bool,
+    /// Switch of the loops.
+    pub loops_on: bool,
+}
+
+impl Default for Trims {
+    /// No trims, every kind switched on.
+    fn default() -> Self {
+        Self {
+            circles: Vec::new(),
+            intervals: Vec::new(),
+            ellipses: Vec::new(),
+            loops: Vec::new(),
+            circles_on: true,
+            intervals_on: true,
+            ellipses_on: true,
+            loops_on: true,
+        }
+    }
+}
+
+impl Trims {
+    /// Whether a circle, interval or ellipse that is switched on cuts `uv`.
+    #[must_use]
+    pub fn shapes_cut(&self, uv: DVec2) -> bool {
+        (self.circles_on && self.circles.iter().any(|circle| circle.cuts(uv)))
+            || (self.intervals_on && self.intervals.iter().any(|interval| interval.cuts(uv)))
+            || (self.ellipses_on && self.ellipses.iter().any(|ellipse| ellipse.cuts(uv)))
+    }
+
+    /// Whether `uv` is cut, decided exactly.
+    #[must_use]
+    pub fn cut(&self, uv: DVec2) -> bool {
+        self.shapes_cut(uv) || (self.loops_on && inside_loops(&self.loops, uv))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec2;
+
+    #[test]
+    fn shapes_have_the_borders_of_the_listing() {
+        let circle = Circle::new(dvec2(0.5, 0.5), 0.25).unwrap();
+        assert!(circle.cuts(dvec2(0.5, 0.74)) && !circle.cuts(dvec2(0.5, 0.75)));
+        let interval = Interval::new(dvec2(0.25, 0.5), dvec2(0.25, 0.75)).unwrap();
+        assert!(interval.cuts(dvec2(0.25, 0.75)) && !interval.cuts(dvec2(0.51, 0.5)));
+        let ellipse = Ellipse::new(dvec2(0.5, 0.5), dvec2(0.5, 0.25)).unwrap();
+        assert!(ellipse.cuts(dvec2(1.0, 0.5)) && !ellipse.cuts(dvec2(0.5, 0.76)));
+        assert!(!Ellipse::new(dvec2(0.5, 0.5), DVec2::ZERO).unwrap().cuts(dvec2(0.5, 0.5)));
+    }
+
+    #[test]
+    fn bad_shapes_are_refused_with_name_value_and_range() {
+        let nan = dvec2(f64::NAN, 0.0);
+        for (error, words) in [
+            (Circle::new(DVec2::ZERO, -0.5).unwrap_err(), ["circle radius", "-0.5", "0 or above"]),
+            (Circle::new(DVec2::ZERO, f64::INFINITY).unwrap_err(), ["circle radius", "inf", "finite"]),
+            (Circle::new(nan, 0.1).unwrap_err(), ["circle center", "NaN", "finite"]),
+            (
+                Interval::new(dvec2(0.7, 0.2), DVec2::ZERO).unwrap_err(),
+                ["interval u", "0.7", "first ≤ last"],
+            ),
+            (Interval::new(DVec2::ZERO, nan).unwrap_err(), ["interval v", "NaN", "finite"]),
+            (
+                Ellipse::new(DVec2::ZERO, dvec2(0.1, -1.0)).unwrap_err(),
+                ["ellipse radius along v", "-1", "0 or above"],
+            ),
+        ] {
+            let text = error.to_string();
+            assert!(words.iter().all(|word| text.contains(word)), "{text}");
+        }
+    }
+
+    #[test]
+    fn small_gaps_snap_and_large_ones_are_refused_by_number() {
+        let chain = |gap: f64| {
+            TrimLoop::new(vec![
+                Segment::Line([dvec2(0.2, 0.2), dvec2(0.8, 0.2)]),
+                Segment::Quadratic([dvec2(0.8, 0.2 + gap), dvec2(0.8, 0.8), dvec2(0.2, 0.2)]),
+            ])
+        };
+        let joined = chain(9e-7).unwrap();
+        assert_eq!(joined.segments()[0].end(), joined.segments()[1].start());
+        let text = chain(1.1e-6).unwrap_err().to_string();
+        assert!(text.contains("segment 0") && text.contains("segment 1"), "{text}");
+        assert!(TrimLoop::new(Vec::new()).is_err());
+        assert!(Segment::new(&[DVec2::ZERO; 5]).is_err());
+        let infinite = Segment::Line([DVec2::ZERO, DVec2::INFINITY]);
+        assert!(TrimLoop::new(vec![infinite]).unwrap_err().to_string().contains("segment 0"));
+    }
+}

@@ -1,0 +1,132 @@
+//! Even-odd test of a point against closed loops, by subdivision in `f64`: no roots, no derivatives.
+
+use glam::DVec2;
+
+use super::{Segment, TrimLoop};
+
+/// Pieces smaller than this, relative to the sample's coordinates where those exceed 1, are points.
+/// Larger, and shaders in `f32` could tell; smaller, and rounding would keep pieces from shrinking.
+const POINT_SIZE: f64 = 1e-13;
+
+/// Whether `uv` lies inside an odd number of loops.
+///
+/// A ray from `uv` towards greater u crosses the loops; an odd number of crossings means inside. The
+/// row test `v₀ ≤ v < v₁` is half open, so that an end point shared by two curves counts once.
+/// Points closer than about 1e-13 to a curve may fall on either side.
+#[must_use]
+pub fn inside_loops(loops: &[TrimLoop], uv: DVec2) -> bool {
+    loops
+        .iter()
+        .flat_map(TrimLoop::segments)
+        .fold(false, |inside, segment| inside ^ ray_crosses_odd(segment, uv))
+}
+
+/// Parity of the crossings of one curve with the ray from `uv` towards greater u.
+fn ray_crosses_odd(segment: &Segment, uv: DVec2) -> bool {
+    match *segment {
+        Segment::Line(points) => crosses_odd(points, uv),
+        Segment::Quadratic(points) => crosses_odd(points, uv),
+        Segment::Cubic(points) => crosses_odd(points, uv),
+    }
+}
+
+fn crosses_odd<const N: usize>(points: [DVec2; N], uv: DVec2) -> bool {
+    let least = points.iter().copied().reduce(DVec2::min).expect("N > 0");
+    let most = points.iter().copied().reduce(DVec2::max).expect("N > 0");
+    if uv.y < least.y || uv.y > most.y || uv.x >= most.x {
+        return false;
+    }
+    let ends_on_two_sides = (points[0].y <= uv.y) != (points[N - 1].y <= uv.y);
+    let point_size = POINT_SIZE * uv.abs().max_element().max(1.0);
+    if uv.x < least.x || (most - least).max_element() < point_size {
+        // The whole piece lies on the ray's side: only where it ends matters.
+        return ends_on_two_sides;
+    }
+    let [first, second] = halves(points);
+    crosses_odd(first, uv) ^ crosses_odd(second, uv)
+}
+
+/// The two halves of a Bézier curve, split at ½ by de Casteljau's algorithm.
+fn halves<const N: usize>(points: [DVec2; N]) -> [[DVec2; N]; 2] {
+    let mut blended = points;
+    let (mut first, mut second) = (points, points);
+    for step in 1..N {
+        for i in 0..N - step {
+            blended[i] = (blended[i] + blended[i + 1]) * 0.5;
+        }
+        first[step] = blended[0];
+        second[N - 1 - step] = blended[N - 1 - step];
+    }
+    [first, second]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec2;
+
+    fn square(low: f64, high: f64) -> TrimLoop {
+        let corners = [dvec2(low, low), dvec2(high, low), dvec2(high, high), dvec2(low, high)];
+        TrimLoop::new((0..4).map(|i| Segment::Line([corners[i], corners[(i + 1) % 4]])).collect())
+            .unwrap()
+    }
+
+    #[test]
+    fn islands_and_corners() {
+        let loops = [square(0.1, 0.9), square(0.3, 0.7), square(0.45, 0.55)];
+        for (uv, expected) in [
+            (dvec2(0.05, 0.5), false),
+            (dvec2(0.2, 0.5), true),
+            (dvec2(0.4, 0.5), false),
+            (dvec2(0.5, 0.5), true),
+            // Rows through corners: each counts once, from above or below.
+            (dvec2(0.0, 0.1), false),
+            (dvec2(0.2, 0.1), true),
+            (dvec2(0.0, 0.9), false),
+            (dvec2(0.0, 0.3), false),
+            (dvec2(0.2, 0.7), true),
+        ] {
+            assert_eq!(inside_loops(&loops, uv), expected, "{uv}");
+        }
+    }
+
+    #[test]
+    fn a_parabola_cuts_where_its_closed_form_says() {
+        // v = 0.2 + 2·0.6·t(1−t) over u = t, closed by its chord.
+        let arch = TrimLoop::new(vec![
+            Segment::Quadratic([dvec2(0.0, 0.2), dvec2(0.5, 0.8), dvec2(1.0, 0.2)]),
+            Segment::Line([dvec2(1.0, 0.2), dvec2(0.0, 0.2)]),
+        ])
+        .unwrap();
+        for i in 0..200 {
+            for j in 0..200 {
+                let uv = dvec2((f64::from(i) + 0.37) / 200.0, (f64::from(j) + 0.61) / 200.0);
+                let top = 0.2 + 1.2 * uv.x * (1.0 - uv.x);
+                let expected = uv.y > 0.2 && uv.y < top;
+                assert_eq!(inside_loops(std::slice::from_ref(&arch), uv), expected, "{uv}");
+            }
+        }
+    }
+
+    #[test]
+    fn halves_meet_and_keep_the_ends() {
+        let points = [dvec2(0.1, 0.9), dvec2(0.4, -0.3), dvec2(1.2, 0.8), dvec2(0.6, 0.2)];
+        let [first, second] = halves(points);
+        assert_eq!((first[0], second[3], first[3]), (points[0], points[3], second[0]));
+        let middle = (points[0] + 3.0 * (points[1] + points[2]) + points[3]) / 8.0;
+        assert!(first[3].distance(middle) < 1e-15);
+    }
+
+    #[test]
+    fn a_tangent_row_counts_both_or_neither() {
+        // The arch of the parabola touches the row v = 0.5 in its top point (0.5, 0.5).
+        let arch = TrimLoop::new(vec![
+            Segment::Quadratic([dvec2(0.0, 0.2), dvec2(0.5, 0.8), dvec2(1.0, 0.2)]),
+            Segment::Line([dvec2(1.0, 0.2), dvec2(0.0, 0.2)]),
+        ])
+        .unwrap();
+        for u in [0.0, 0.25, 0.49, 0.51, 0.9] {
+            assert!(!inside_loops(std::slice::from_ref(&arch), dvec2(u, 0.5)));
+        }
+    }
+}

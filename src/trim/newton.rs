@@ -1,0 +1,389 @@
+//! The thesis' trimming by Newton's method, in `f64`: the twin of `glsl/thesis/trim.glsl`, step by
+//! step. Keep both in step; `tests/figures.rs` compares their pictures.
+//!
+//! It has the limits of its model on purpose. A loop is an upper and a lower curve, both given from
+//! its left end to its right end; the two ends lie on one row (figure 28 shows what happens when
+//! they do not). Where a row misses a curve, Newton's method wanders and cuts speckles.
+
+use glam::DVec2;
+
+use super::{Segment, TrimLoop};
+use crate::{Error, Result};
+
+/// How long Newton's method goes on (listing 10; figures 29–34 vary both numbers).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Newton {
+    iterations: u32,
+    epsilon: f64,
+}
+
+impl Default for Newton {
+    /// The thesis' figures: 10 iterations, a last step below 0.001.
+    fn default() -> Self {
+        Self {
+            iterations: 10,
+            epsilon: 0.001,
+        }
+    }
+}
+
+impl Newton {
+    /// The most iterations that are accepted: beyond them no figure changes and a frame takes seconds.
+    pub const MAX_ITERATIONS: u32 = 1000;
+
+    /// At most `iterations` steps, ending early after a step in `t` shorter than `epsilon`.
+    ///
+    /// # Errors
+    /// Iterations outside 1…1000, an epsilon that is not finite and above 0.
+    pub fn new(iterations: u32, epsilon: f64) -> Result<Self> {
+        if !(1..=Self::MAX_ITERATIONS).contains(&iterations) {
+            return Err(Error::invalid(
+                "newton iterations",
+                iterations,
+                format!("a whole number from 1 to {}", Self::MAX_ITERATIONS),
+            ));
+        }
+        if !(epsilon.is_finite() && epsilon > 0.0) {
+            return Err(Error::invalid("newton epsilon", epsilon, "a finite number above 0"));
+        }
+        Ok(Self { iterations, epsilon })
+    }
+
+    /// The most steps.
+    #[must_use]
+    pub const fn iterations(&self) -> u32 {
+        self.iterations
+    }
+
+    /// The step in `t` below which the search ends.
+    #[must_use]
+    pub const fn epsilon(&self) -> f64 {
+        self.epsilon
+    }
+
+    /// The `t` where Newton's method from `t` ends up on the row `v` (listing 10). Without
+    /// convergence that is the last iterate.
+    fn root<const N: usize>(&self, curve: &[DVec2; N], v: f64, mut t: f64) -> f64 {
+        for _ in 0..self.iterations {
+            let [value, slope] = value_and_slope(&curve.map(|point| point.y), t);
+            let step = (value - v) / slope;
+            t -= step;
+            if step.abs() < self.epsilon {
+                break;
+            }
+        }
+        t
+    }
+
+    /// Where the row through `uv` meets the curve, from both ends: the two `t`, and the u there
+    /// relative to `uv`.
+    fn meetings<const N: usize>(&self, curve: &[DVec2; N], uv: DVec2) -> [(f64, f64); 2] {
+        [1.0, 0.0].map(|start| {
+            let t = self.root(curve, uv.y, start);
+            (t, value_and_slope(&curve.map(|point| point.x), t)[0] - uv.x)
+        })
+    }
+
+    /// Listing 11: `uv` lies between the meetings of its row with the curve.
+    fn below<const N: usize>(&self, curve: &[DVec2; N], uv: DVec2) -> bool {
+        let [(t1, x1), (t2, x2)] = self.meetings(curve, uv);
+        let in_curve = 0.0..=1.0;
+        x1 > 0.0 && x2 < 0.0 && in_curve.contains(&t1) && in_curve.contains(&t2)
+    }
+
+    /// Listing 12: the same, unless `uv` lies between the meetings with the inner curve, whose `t`
+    /// the listing does not test.
+    fn below_outer_only<const N: usize>(
+        &self,
+        outer: &[DVec2; N],
+        inner: &[DVec2; N],
+        uv: DVec2,
+    ) -> bool {
+        let [(_, x3), (_, x4)] = self.meetings(inner, uv);
+        self.below(outer, uv) && !(x3 > 0.0 && x4 < 0.0)
+    }
+}
+
+/// One coordinate of a quadratic or cubic Bézier curve and its derivative, in Bernstein form.
+fn value_and_slope<const N: usize>(b: &[f64; N], t: f64) -> [f64; 2] {
+    let s = 1.0 - t;
+    match *b.as_slice() {
+        [b0, b1, b2] => [
+            s * s * b0 + 2.0 * t * s * b1 + t * t * b2,
+            2.0 * s * (b1 - b0) + 2.0 * t * (b2 - b1),
+        ],
+        [b0, b1, b2, b3] => [
+            s * s * s * b0 + 3.0 * t * s * s * b1 + 3.0 * t * t * s * b2 + t * t * t * b3,
+            3.0 * s * s * (b1 - b0) + 6.0 * t * s * (b2 - b1) + 3.0 * t * t * (b3 - b2),
+        ],
+        _ => unreachable!("the thesis trims by quadratic and cubic curves"),
+    }
+}
+
+/// The loops of a surface in the four forms of the thesis, with its numbering of the points:
+///
+/// ```text
+///      p1                p1    p2         The nested forms append the inner loop
+///    /    \            /          \       in the same order: p4…p7, p6…p11.
+///  p0      p2        p0            p3     Curves are p0 p1 p2 and p0 p3 p2,
+///    \    /            \          /       or p0 p1 p2 p3 and p0 p4 p5 p3 (listing 9).
+///      p3                p4    p5
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct NewtonTrims {
+    /// Two quadratics each (`bezierBool`).
+    pub quadratic: Vec<[DVec2; 4]>,
+    /// A loop of two quadratics inside another (`bezierBool2`).
+    pub nested_quadratic: Vec<[DVec2; 8]>,
+    /// Two cubics each (`cubicBezierBool`).
+    pub cubic: Vec<[DVec2; 6]>,
+    /// A loop of two cubics inside another (`cubicBezierBool2`).
+    pub nested_cubic: Vec<[DVec2; 12]>,
+}
+
+impl NewtonTrims {
+    /// Sorts loops into the thesis' forms: a loop whose control points lie in the box of the loop
+    /// before it makes the nested form with it.
+    ///
+    /// # Errors
+    /// A loop that is not two quadratics or two cubics, named by its number from 0.
+    pub fn from_loops(loops: &[TrimLoop]) -> Result<Self> {
+        let forms = loops
+            .iter()
+            .enumerate()
+            .map(|(i, trim_loop)| Form::of(trim_loop).ok_or_else(|| unfit(i, trim_loop)))
+            .collect::<Result<Vec<_>>>()?;
+        let mut trims = Self::default();
+        let mut i = 0;
+        while i < forms.len() {
+            let nested = i + 1 < loops.len() && holds(&loops[i], &loops[i + 1]);
+            match (forms[i], forms.get(i + 1).filter(|_| nested)) {
+                (Form::Quadratic(outer), Some(Form::Quadratic(inner))) => {
+                    trims.nested_quadratic.push(joined(&outer, inner));
+                    i += 1;
+                }
+                (Form::Cubic(outer), Some(Form::Cubic(inner))) => {
+                    trims.nested_cubic.push(joined(&outer, inner));
+                    i += 1;
+                }
+                (Form::Quadratic(points), _) => trims.quadratic.push(points),
+                (Form::Cubic(points), _) => trims.cubic.push(points),
+            }
+            i += 1;
+        }
+        Ok(trims)
+    }
+
+    /// Every point in the order of the shader's buffer: form after form, loop after loop.
+    pub fn points(&self) -> impl Iterator<Item = DVec2> + '_ {
+        (self.quadratic.iter().flatten())
+            .chain(self.nested_quadratic.iter().flatten())
+            .chain(self.cubic.iter().flatten())
+            .chain(self.nested_cubic.iter().flatten())
+            .copied()
+    }
+
+    /// Whether `uv` is cut (listings 11 and 12).
+    #[must_use]
+    pub fn cut(&self, newton: &Newton, uv: DVec2) -> bool {
+        let quadratic = |p: &[DVec2]| [[p[0], p[1], p[2]], [p[0], p[3], p[2]]];
+        let cubic = |p: &[DVec2]| [[p[0], p[1], p[2], p[3]], [p[0], p[4], p[5], p[3]]];
+        self.quadratic
+            .iter()
+            .any(|p| quadratic(p).iter().any(|curve| newton.below(curve, uv)))
+            || self.nested_quadratic.iter().any(|p| {
+                std::iter::zip(quadratic(&p[..4]), quadratic(&p[4..]))
+                    .any(|(outer, inner)| newton.below_outer_only(&outer, &inner, uv))
+            })
+            || self
+                .cubic
+                .iter()
+                .any(|p| cubic(p).iter().any(|curve| newton.below(curve, uv)))
+            || self.nested_cubic.iter().any(|p| {
+                std::iter::zip(cubic(&p[..6]), cubic(&p[6..]))
+                    .any(|(outer, inner)| newton.below_outer_only(&outer, &inner, uv))
+            })
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Form {
+    Quadratic([DVec2; 4]),
+    Cubic([DVec2; 6]),
+}
+
+impl Form {
+    fn of(trim_loop: &TrimLoop) -> Option<Self> {
+        match *trim_loop.segments() {
+            [Segment::Quadratic([a, b, c]), Segment::Quadratic([_, d, _])] => {
+                Some(Self::Quadratic([a, b, c, d]))
+            }
+            [Segment::Cubic([a, b, c, d]), Segment::Cubic([_, e, f, _])] => {
+                Some(Self::Cubic([a, b, c, d, f, e]))
+            }
+            _ => None,
+        }
+    }
+}
+
+fn unfit(index: usize, trim_loop: &TrimLoop) -> Error {
+    let degrees: Vec<&str> = trim_loop
+        .segments()
+        .iter()
+        .take(5)
+        .map(|segment| match segment {
+            Segment::Line(_) => "line",
+            Segment::Quadratic(_) => "quadratic",
+            Segment::Cubic(_) => "cubic",
+        })
+        .collect();
+    let more = if trim_loop.segments().len() > 5 { ", …" } else { "" };
+    Error::invalid(
+        format!("loop {index}"),
+        format!("[{}{more}]", degrees.join(", ")),
+        "two quadratics or two cubics, all that the thesis' method can cut",
+    )
+}
+
+fn holds(outer: &TrimLoop, inner: &TrimLoop) -> bool {
+    let ([least, most], [inner_least, inner_most]) = (outer.control_box(), inner.control_box());
+    least.cmple(inner_least).all() && inner_most.cmple(most).all()
+}
+
+fn joined<const N: usize, const M: usize>(outer: &[DVec2; N], inner: &[DVec2; N]) -> [DVec2; M] {
+    std::array::from_fn(|i| if i < N { outer[i] } else { inner[i - N] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trim::inside_loops;
+    use glam::dvec2;
+
+    fn lens(half_width: f64, half_height: f64) -> TrimLoop {
+        let [left, top] = [dvec2(0.5 - half_width, 0.5), dvec2(0.5, 0.5 + 2.0 * half_height)];
+        let [right, bottom] = [dvec2(0.5 + half_width, 0.5), dvec2(0.5, 0.5 - 2.0 * half_height)];
+        TrimLoop::new(vec![
+            Segment::Quadratic([left, top, right]),
+            Segment::Quadratic([right, bottom, left]),
+        ])
+        .unwrap()
+    }
+
+    fn pillow(half_width: f64, half_height: f64) -> TrimLoop {
+        let corner = |x: f64, y: f64| dvec2(0.5 + x * half_width, 0.5 + y * half_height);
+        TrimLoop::new(vec![
+            Segment::Cubic([corner(-1., 0.), corner(-0.8, 1.3), corner(0.8, 1.3), corner(1., 0.)]),
+            Segment::Cubic([corner(1., 0.), corner(0.8, -1.3), corner(-0.8, -1.3), corner(-1., 0.)]),
+        ])
+        .unwrap()
+    }
+
+    /// Samples of a 200×200 grid with |v − ½| in `rows` that are decided wrongly.
+    fn wrong(
+        trims: &NewtonTrims,
+        newton: &Newton,
+        loops: &[TrimLoop],
+        rows: std::ops::Range<f64>,
+    ) -> usize {
+        let n = 200;
+        (0..n * n)
+            .map(|i| dvec2((i % n) as f64 + 0.5, (i / n) as f64 + 0.5) / n as f64)
+            .filter(|uv| rows.contains(&(uv.y - 0.5).abs()))
+            .filter(|uv| trims.cut(newton, *uv) != inside_loops(loops, *uv))
+            .count()
+    }
+
+    #[test]
+    fn a_level_lens_is_right_on_its_rows_and_speckled_where_no_root_is() {
+        let loops = [lens(0.3, 0.2)];
+        let trims = NewtonTrims::from_loops(&loops).unwrap();
+        assert_eq!(trims.quadratic.len(), 1);
+        assert_eq!(trims.points().count(), 4);
+        let newton = Newton::default();
+        assert_eq!(wrong(&trims, &newton, &loops, 0.0..0.2), 0);
+        assert!(wrong(&trims, &newton, &loops, 0.2..0.5) > 500);
+    }
+
+    #[test]
+    fn fewer_iterations_are_worse_on_rows_that_have_roots() {
+        let loops = [pillow(0.3, 0.3)];
+        let trims = NewtonTrims::from_loops(&loops).unwrap();
+        let misses = [1, 2, 10].map(|iterations| {
+            let newton = Newton::new(iterations, 0.001).unwrap();
+            wrong(&trims, &newton, &loops, 0.0..0.29)
+        });
+        assert!(misses[0] > misses[1] && misses[1] > misses[2], "{misses:?}");
+        assert_eq!(misses[2], 0);
+    }
+
+    #[test]
+    fn ends_on_two_rows_and_curves_from_the_right_are_cut_wrong() {
+        let tilted = TrimLoop::new(vec![
+            Segment::Quadratic([dvec2(0.2, 0.4), dvec2(0.5, 0.9), dvec2(0.8, 0.6)]),
+            Segment::Quadratic([dvec2(0.8, 0.6), dvec2(0.5, 0.1), dvec2(0.2, 0.4)]),
+        ])
+        .unwrap();
+        let from_right = TrimLoop::new(vec![
+            Segment::Quadratic([dvec2(0.8, 0.5), dvec2(0.5, 0.9), dvec2(0.2, 0.5)]),
+            Segment::Quadratic([dvec2(0.2, 0.5), dvec2(0.5, 0.1), dvec2(0.8, 0.5)]),
+        ])
+        .unwrap();
+        for trim_loop in [tilted, from_right] {
+            let loops = [trim_loop];
+            let trims = NewtonTrims::from_loops(&loops).unwrap();
+            assert!(wrong(&trims, &Newton::default(), &loops, 0.0..0.5) > 1000);
+        }
+    }
+
+    #[test]
+    fn a_loop_inside_the_one_before_is_nested() {
+        let trims = NewtonTrims::from_loops(&[
+            lens(0.4, 0.3),
+            lens(0.2, 0.15),
+            pillow(0.4, 0.3),
+            pillow(0.2, 0.1),
+            lens(0.1, 0.1),
+        ])
+        .unwrap();
+        let counts = [
+            trims.quadratic.len(),
+            trims.nested_quadratic.len(),
+            trims.cubic.len(),
+            trims.nested_cubic.len(),
+        ];
+        assert_eq!(counts, [1, 1, 0, 1]);
+        assert_eq!(trims.points().count(), 4 + 8 + 12);
+        // Listing 9 runs the lower cubic from left to right: p4 is the one nearer p0.
+        let p = &trims.nested_cubic[0];
+        assert!(p[4].x < p[5].x && p[4].y < p[0].y);
+    }
+
+    #[test]
+    fn an_island_stays() {
+        let loops = [pillow(0.4, 0.4), pillow(0.2, 0.2)];
+        let trims = NewtonTrims::from_loops(&loops).unwrap();
+        let newton = Newton::default();
+        assert!(!trims.cut(&newton, dvec2(0.5, 0.55)) && !trims.cut(&newton, dvec2(0.5, 0.45)));
+        assert!(trims.cut(&newton, dvec2(0.2, 0.52)) && trims.cut(&newton, dvec2(0.85, 0.48)));
+    }
+
+    #[test]
+    fn other_loops_are_refused_by_number() {
+        let triangle = TrimLoop::new(vec![
+            Segment::Line([dvec2(0.1, 0.1), dvec2(0.9, 0.1)]),
+            Segment::Line([dvec2(0.9, 0.1), dvec2(0.5, 0.9)]),
+            Segment::Line([dvec2(0.5, 0.9), dvec2(0.1, 0.1)]),
+        ])
+        .unwrap();
+        let text = NewtonTrims::from_loops(&[lens(0.3, 0.2), triangle]).unwrap_err().to_string();
+        assert!(text.contains("loop 1") && text.contains("line, line, line"), "{text}");
+    }
+
+    #[test]
+    fn settings_outside_their_range_are_refused() {
+        for (iterations, epsilon) in [(0, 0.1), (1001, 0.1), (10, 0.0), (10, f64::NAN), (10, -1.0)] {
+            assert!(Newton::new(iterations, epsilon).is_err());
+        }
+    }
+}
