@@ -3,12 +3,13 @@
 
 use image::{Rgb, RgbImage};
 
-const SIZE: u32 = 512;
-const COURSES: f64 = 12.0;
-const BRICKS_PER_COURSE: f64 = 6.0;
-/// Half the joint's width and the softness of its edge, in courses.
-const JOINT: f64 = 0.06;
-const SOFT: f64 = 0.05;
+const SIZE: u32 = 256;
+const COURSES: f64 = 8.0;
+const BRICKS_PER_COURSE: f64 = 4.0;
+/// Half the joint's width and the softness of its edge, in courses. Soft edges leave little to the
+/// level of detail, which drivers may choose each a little differently.
+const JOINT: f64 = 0.03;
+const SOFT: f64 = 0.09;
 
 /// A number in 0 … 1 that belongs to two whole numbers (the mixing steps of Murmur3's finaliser).
 fn hash(x: i64, y: i64) -> f64 {
@@ -43,9 +44,9 @@ fn color(x: f64, y: f64) -> [f64; 3] {
     let clay = smoothstep(JOINT, JOINT + SOFT, across.min(lengthwise));
 
     let tint = hash(brick as i64, course as i64);
-    let grain = 0.85 + 0.3 * (0.6 * noise(x * 48.0, y * 48.0, 48) + 0.4 * noise(x * 96.0, y * 96.0, 96));
+    let grain = 0.85 + 0.3 * (0.6 * noise(x * 32.0, y * 32.0, 32) + 0.4 * noise(x * 64.0, y * 64.0, 64));
     let red = [0.55 + 0.2 * tint, 0.24 + 0.12 * tint, 0.17 + 0.08 * tint];
-    let mortar = [0.74, 0.71, 0.66];
+    let mortar = [0.68, 0.63, 0.57];
     std::array::from_fn(|i| (mortar[i] * (1.0 - clay) + red[i] * clay) * grain)
 }
 

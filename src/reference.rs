@@ -17,7 +17,7 @@ use crate::bezier::{Patch, homogeneous};
 use crate::camera::Projection;
 use crate::renderer::CONTROL_POINT_PX;
 use crate::{Image, Newton, NewtonTrims, Result, Scene, Surface, Trims};
-use raster::{Raster, Vertex};
+use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
 pub use thesis::thesis_normal;
@@ -37,6 +37,8 @@ pub enum Pixel {
     /// Nothing.
     #[default]
     Background,
+    /// Nothing, because this point of a surface is cut.
+    Hole(Fragment),
     /// A point of a surface or of its wireframe.
     Surface(Fragment),
     /// The square of a control point.
@@ -52,10 +54,14 @@ pub struct Fragment {
     pub patch: usize,
     /// Place in the domain.
     pub uv: DVec2,
+    /// How far (u, v) goes with one pixel to the right and one down.
+    pub uv_per_px: [DVec2; 2],
     /// Place in view space.
     pub position: DVec3,
     /// Depth in the window, −1 (near) to 1.
     pub depth: f64,
+    /// Distance of the pixel's centre from the nearest edge of its triangle, in pixels.
+    pub edge_px: f64,
     /// Whether u and v turn counter-clockwise on the screen.
     pub front: bool,
 }
@@ -86,25 +92,26 @@ pub fn render(scene: &Scene, size: UVec2, arithmetic: Arithmetic) -> Result<Pict
             let vertices = view.vertices(&patch, level);
             for triangle in triangles(level) {
                 let corners = triangle.map(|corner| vertices[corner]);
-                let mut shade = |vertex: &Vertex, footprint, front| {
-                    let uv = vertex.uv();
-                    if view.cut(uv) {
-                        return None;
-                    }
-                    let color = if report && settings.wireframe {
-                        DVec3::X
-                    } else {
-                        view.color(vertex, footprint)
-                    };
+                let mut shade = |sample: &Sample| {
+                    let vertex = &sample.vertex;
                     let fragment = Fragment {
                         surface: number,
                         patch: patch_number,
-                        uv,
+                        uv: vertex.uv(),
+                        uv_per_px: sample.uv_per_px,
                         position: vertex.position(),
                         depth: vertex.depth(),
-                        front,
+                        edge_px: sample.edge_px,
+                        front: sample.front,
                     };
-                    Some((color, fragment))
+                    let color = if view.trims.cut(fragment.uv) {
+                        None
+                    } else if report && settings.wireframe {
+                        Some(DVec3::X)
+                    } else {
+                        Some(view.color(sample))
+                    };
+                    (color, fragment)
                 };
                 if settings.wireframe {
                     for edge in 0..3 {
@@ -128,13 +135,63 @@ pub fn render(scene: &Scene, size: UVec2, arithmetic: Arithmetic) -> Result<Pict
     Ok(raster.into_picture(projection.projection))
 }
 
+/// The trims of a surface as one arithmetic decides them.
+#[derive(Debug, Clone)]
+pub struct TrimDecision<'a> {
+    trims: &'a Trims,
+    /// The thesis' loops; without them loops are decided exactly.
+    newton: Option<(Newton, NewtonTrims)>,
+}
+
+impl<'a> TrimDecision<'a> {
+    /// # Errors
+    /// Loops that the thesis' method cannot cut, if its arithmetic is asked for.
+    pub fn new(trims: &'a Trims, newton: Newton, arithmetic: Arithmetic) -> Result<Self> {
+        let newton = match arithmetic {
+            Arithmetic::Thesis => Some((newton, NewtonTrims::from_loops(&trims.loops)?)),
+            Arithmetic::Exact => None,
+        };
+        Ok(Self { trims, newton })
+    }
+
+    /// Whether `uv` is cut.
+    #[must_use]
+    pub fn cut(&self, uv: DVec2) -> bool {
+        match &self.newton {
+            None => self.trims.cut(uv),
+            Some((newton, loops)) => {
+                self.trims.shapes_cut(uv) || (self.trims.loops_on && loops.cut(newton, uv))
+            }
+        }
+    }
+
+    /// Whether the decision changes within `radius_px` of a fragment. It is sampled 32 times a pixel,
+    /// and about as finely as `f32` can tell places apart around the fragment itself: an edge that
+    /// runs between the pixels' centres, or a sliver of Newton's that only rounding hits.
+    #[must_use]
+    pub fn changes_near(&self, fragment: &Fragment, radius_px: f64) -> bool {
+        const STEPS_PER_PX: f64 = 32.0;
+        const ROUNDING: f64 = 5e-8;
+        let here = self.cut(fragment.uv);
+        let differs = |offset: DVec2| self.cut(fragment.uv + offset) != here;
+        let rounds = (-20..=20).flat_map(|y| (-20..=20).map(move |x| DVec2::new(x.into(), y.into())));
+        let reach = (radius_px * STEPS_PER_PX).floor() as i32;
+        let [right, down] = fragment.uv_per_px;
+        let around = (-reach..=reach)
+            .flat_map(|y| (-reach..=reach).map(move |x| DVec2::new(x.into(), y.into())))
+            .map(|offset| offset / STEPS_PER_PX)
+            .filter(|offset| offset.length() <= radius_px)
+            .map(|offset| right * offset.x + down * offset.y);
+        rounds.map(|offset| offset * ROUNDING).chain(around).any(differs)
+    }
+}
+
 /// A surface as one picture sees it.
 struct SurfaceView<'a> {
     surface: &'a Surface,
     to_view: DMat4,
     projection: &'a Projection,
-    newton: Newton,
-    loops: NewtonTrims,
+    trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
     arithmetic: Arithmetic,
 }
@@ -146,16 +203,11 @@ impl<'a> SurfaceView<'a> {
         newton: Newton,
         arithmetic: Arithmetic,
     ) -> Result<Self> {
-        let loops = match arithmetic {
-            Arithmetic::Thesis => NewtonTrims::from_loops(&surface.trims.loops)?,
-            Arithmetic::Exact => NewtonTrims::default(),
-        };
         Ok(Self {
             surface,
             to_view: projection.view * surface.transform,
             projection,
-            newton,
-            loops,
+            trims: TrimDecision::new(&surface.trims, newton, arithmetic)?,
             sampler: Sampler::new(&surface.paint),
             arithmetic,
         })
@@ -188,25 +240,11 @@ impl<'a> SurfaceView<'a> {
             .collect()
     }
 
-    fn cut(&self, uv: DVec2) -> bool {
-        let trims: &Trims = &self.surface.trims;
-        match self.arithmetic {
-            Arithmetic::Exact => trims.cut(uv),
-            Arithmetic::Thesis => {
-                trims.shapes_cut(uv) || (trims.loops_on && self.loops.cut(&self.newton, uv))
-            }
-        }
-    }
-
-    fn color(&self, vertex: &Vertex, footprint: f64) -> DVec3 {
-        let paint = self.sampler.sample(vertex.uv(), footprint);
-        shading::color(
-            self.surface.shading,
-            paint,
-            vertex.position(),
-            vertex.normal(),
-            &self.projection.view,
-        )
+    fn color(&self, sample: &Sample) -> DVec3 {
+        let vertex = &sample.vertex;
+        let paint = self.sampler.sample(vertex.uv(), sample.uv_per_px);
+        let (position, normal) = (vertex.position(), vertex.normal());
+        shading::color(self.surface.shading, paint, position, normal, &self.projection.view)
     }
 }
 
@@ -272,9 +310,8 @@ impl Picture {
     fn differ(&self, a: &Pixel, b: &Pixel) -> bool {
         const GRAZING: f64 = 12.0;
         match (a, b) {
-            (Pixel::Background, Pixel::Background) | (Pixel::ControlPoint, Pixel::ControlPoint) => {
-                false
-            }
+            (Pixel::Background | Pixel::Hole(_), Pixel::Background | Pixel::Hole(_))
+            | (Pixel::ControlPoint, Pixel::ControlPoint) => false,
             (Pixel::Surface(a), Pixel::Surface(b)) => {
                 let clip_w = (self.projection * a.position.extend(1.0)).w;
                 let pixel = 2.0 * clip_w / (self.projection.y_axis.y * f64::from(self.size().y));

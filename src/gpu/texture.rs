@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glow::{HasContext, PixelUnpackData};
@@ -5,8 +6,8 @@ use glow::{HasContext, PixelUnpackData};
 use super::{create, size_i32};
 use crate::{Error, Image, Result};
 
-/// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear,
-/// clamped to its edges.
+/// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
+/// smaller levels for the distance, clamped to its edges.
 pub struct Texture {
     gl: Arc<glow::Context>,
     raw: glow::Texture,
@@ -36,45 +37,58 @@ impl Texture {
             ));
         };
         size_i32(label, image.len())?;
-        let bottom_up: Vec<u8> = image
-            .chunks_exact(4 * image.width() as usize)
-            .rev()
-            .flatten()
-            .copied()
-            .collect();
-        // SAFETY: the context is current (see the module); the texture is new and ours, and the
-        // pixels are exactly width × height RGBA texels.
-        unsafe {
+        let levels = 1 + width.max(height).ilog2();
+        // SAFETY: the context is current (see the module); the texture is new and ours.
+        let texture = unsafe {
             let raw = create(label, gl.create_named_texture(glow::TEXTURE_2D))?;
-            let levels = 1 + (width.max(height)).ilog2();
             gl.texture_storage_2d(raw, levels as i32, glow::RGBA8, width, height);
-            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 1);
-            gl.texture_sub_image_2d(
+            Self {
+                gl: Arc::clone(gl),
                 raw,
-                0,
-                0,
-                0,
-                width,
-                height,
-                glow::RGBA,
-                glow::UNSIGNED_BYTE,
-                PixelUnpackData::Slice(Some(&bottom_up)),
-            );
-            gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 4);
-            gl.generate_texture_mipmap(raw);
+            }
+        };
+        // The smaller levels are made here: drivers are free in how they make them, and Mesa's
+        // software driver compiles a shader for each, which takes a hundred times as long.
+        let mut image = Cow::Borrowed(image);
+        texture.upload(0, &image);
+        for level in 1..levels {
+            let (width, height) = ((image.width() / 2).max(1), (image.height() / 2).max(1));
+            image = Cow::Owned(image::imageops::thumbnail(image.as_ref(), width, height));
+            texture.upload(level, &image);
+        }
+        // SAFETY: the context is current (see the module).
+        unsafe {
             for (parameter, value) in [
                 (glow::TEXTURE_MIN_FILTER, glow::LINEAR_MIPMAP_LINEAR),
                 (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
                 (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
                 (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
             ] {
-                gl.texture_parameter_i32(raw, parameter, value as i32);
+                gl.texture_parameter_i32(texture.raw, parameter, value as i32);
             }
-            gl.object_label(glow::TEXTURE, raw.0.get(), Some(label));
-            Ok(Self {
-                gl: Arc::clone(gl),
-                raw,
-            })
+            gl.object_label(glow::TEXTURE, texture.raw.0.get(), Some(label));
+        }
+        Ok(texture)
+    }
+
+    /// Uploads one level, whose size the image must have.
+    fn upload(&self, level: u32, image: &Image) {
+        let row = 4 * image.width() as usize;
+        let bottom_up: Vec<u8> = image.chunks_exact(row).rev().flatten().copied().collect();
+        // SAFETY: the context is current (see the module); the pixels are exactly width × height
+        // RGBA texels, whose rows of 4-byte texels need no padding.
+        unsafe {
+            self.gl.texture_sub_image_2d(
+                self.raw,
+                level as i32,
+                0,
+                0,
+                image.width() as i32,
+                image.height() as i32,
+                glow::RGBA,
+                glow::UNSIGNED_BYTE,
+                PixelUnpackData::Slice(Some(&bottom_up)),
+            );
         }
     }
 

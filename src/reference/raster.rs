@@ -48,9 +48,20 @@ impl Vertex {
     }
 }
 
-/// A fragment's colour and description, or `None` where it is cut. Its arguments: what is
-/// interpolated, the longer side of the pixel in the domain, and whether it faces the eye.
-type Shade<'a> = dyn FnMut(&Vertex, f64, bool) -> Option<(DVec3, Fragment)> + 'a;
+/// Where a pixel's centre meets a triangle or line.
+pub(super) struct Sample {
+    /// What is interpolated there.
+    pub(super) vertex: Vertex,
+    /// How far (u, v) goes with one pixel to the right and one down.
+    pub(super) uv_per_px: [DVec2; 2],
+    /// Distance from the nearest edge of the triangle, in pixels.
+    pub(super) edge_px: f64,
+    /// Whether the triangle turns counter-clockwise on the screen.
+    pub(super) front: bool,
+}
+
+/// A sample's description, and its colour unless it is cut.
+type Shade<'a> = dyn FnMut(&Sample) -> (Option<DVec3>, Fragment) + 'a;
 
 /// A picture in the making.
 pub(super) struct Raster {
@@ -86,14 +97,23 @@ impl Raster {
         DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * self.size.as_dvec2()
     }
 
-    fn put(&mut self, x: usize, y: usize, depth: f64, shaded: impl FnOnce() -> Option<(DVec3, Fragment)>) {
+    fn put(
+        &mut self,
+        [x, y]: [usize; 2],
+        depth: f64,
+        shaded: impl FnOnce() -> (Option<DVec3>, Fragment),
+    ) {
         let place = y * self.size.x as usize + x;
-        if depth < self.depths[place] && depth >= -1.0
-            && let Some((color, fragment)) = shaded()
-        {
+        if !(-1.0..self.depths[place]).contains(&depth) {
+            return;
+        }
+        let (color, fragment) = shaded();
+        if let Some(color) = color {
             self.depths[place] = depth;
             self.colors[place] = color.extend(1.0);
             self.pixels[place] = Pixel::Surface(fragment);
+        } else if matches!(self.pixels[place], Pixel::Background) {
+            self.pixels[place] = Pixel::Hole(fragment);
         }
     }
 
@@ -130,6 +150,8 @@ impl Raster {
             let sum: f64 = over_w.iter().sum();
             (linear, over_w.map(|weight| weight / sum))
         };
+        let edge = |i: usize| places[(i + 1) % 3].distance(places[(i + 2) % 3]);
+        let heights = [0, 1, 2].map(|i| whole.abs() / edge(i));
         for y in low.y as usize..high.y as usize {
             for x in low.x as usize..high.x as usize {
                 let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
@@ -138,13 +160,19 @@ impl Raster {
                     continue;
                 }
                 let depth = (0..3).map(|i| linear[i] * corners[i].depth()).sum();
-                self.put(x, y, depth, || {
+                self.put([x, y], depth, || {
                     let vertex = Vertex::sum(&corners, weights);
-                    let step = |offset| {
-                        let (_, weights) = weights_at(center + offset);
-                        Vertex::sum(&corners, weights).uv.distance(vertex.uv)
-                    };
-                    shade(&vertex, step(DVec2::X).max(step(DVec2::Y)), front)
+                    let uv_per_px = [DVec2::X, DVec2::Y].map(|step| {
+                        let (_, weights) = weights_at(center + step);
+                        Vertex::sum(&corners, weights).uv - vertex.uv
+                    });
+                    let edges_px = [0, 1, 2].map(|i| linear[i] * heights[i]);
+                    shade(&Sample {
+                        vertex,
+                        uv_per_px,
+                        edge_px: edges_px.into_iter().fold(f64::INFINITY, f64::min),
+                        front,
+                    })
                 });
             }
         }
@@ -177,9 +205,14 @@ impl Raster {
                 let sum = over_w[0] + over_w[1];
                 let vertex = Vertex::sum(&ends, over_w.map(|weight| weight / sum));
                 let depth = (1.0 - t) * ends[0].depth() + t * ends[1].depth();
-                let footprint = ends[0].uv.distance(ends[1].uv) / length.length();
-                self.put(place.x as usize, place.y as usize, depth, || {
-                    shade(&vertex, footprint, true)
+                let uv_per_px = (ends[1].uv - ends[0].uv) / length.length();
+                self.put([place.x as usize, place.y as usize], depth, || {
+                    shade(&Sample {
+                        vertex,
+                        uv_per_px: [uv_per_px; 2],
+                        edge_px: 0.0,
+                        front: true,
+                    })
                 });
             }
             center += 1.0;
@@ -243,16 +276,21 @@ mod tests {
         Vertex::new((ndc * w).extend(w), DVec3::ZERO, DVec3::Z, DVec2::new(x, y))
     }
 
-    fn fragment(vertex: &Vertex, front: bool) -> Option<(DVec3, Fragment)> {
-        let fragment = Fragment {
+    fn fragment(sample: &Sample) -> Fragment {
+        Fragment {
             surface: 0,
             patch: 0,
-            uv: vertex.uv(),
-            position: vertex.position(),
-            depth: vertex.depth(),
-            front,
-        };
-        Some((DVec3::ONE, fragment))
+            uv: sample.vertex.uv(),
+            uv_per_px: sample.uv_per_px,
+            position: sample.vertex.position(),
+            depth: sample.vertex.depth(),
+            edge_px: sample.edge_px,
+            front: sample.front,
+        }
+    }
+
+    fn drawn(sample: &Sample) -> (Option<DVec3>, Fragment) {
+        (Some(DVec3::ONE), fragment(sample))
     }
 
     #[test]
@@ -262,7 +300,7 @@ mod tests {
         let mut counts = [0; 64];
         for triangle in [[0, 1, 2], [0, 2, 3], [3, 2, 1], [3, 1, 0]] {
             let mut raster = Raster::new(UVec2::splat(8), [0.0; 4]);
-            raster.triangle(triangle.map(|i| corners[i]), &mut |v, _, front| fragment(v, front));
+            raster.triangle(triangle.map(|i| corners[i]), &mut drawn);
             for (count, pixel) in counts.iter_mut().zip(&raster.pixels) {
                 *count += i32::from(*pixel != Pixel::Background);
             }
@@ -277,7 +315,7 @@ mod tests {
     fn values_are_perspective_correct() {
         let mut raster = Raster::new(UVec2::splat(8), [0.0; 4]);
         let corners = [vertex(0.0, 0.0, 1.0), vertex(8.0, 0.0, 3.0), vertex(0.0, 8.0, 1.0)];
-        raster.triangle(corners, &mut |v, _, front| fragment(v, front));
+        raster.triangle(corners, &mut drawn);
         let Pixel::Surface(fragment) = raster.pixels[2 * 8 + 3] else {
             panic!("the pixel is inside")
         };
@@ -286,6 +324,8 @@ mod tests {
         let sum = linear[0] + linear[1] / 3.0 + linear[2];
         let expected = DVec2::new(8.0 * linear[1] / 3.0, 8.0 * linear[2]) / sum;
         assert!(fragment.uv.distance(expected) < 1e-12 && !fragment.front);
+        // The nearest edge is x + y = 8.
+        assert!((fragment.edge_px - 2.0 / 2f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]
@@ -309,9 +349,10 @@ mod tests {
             })
         };
         let mut raster = Raster::new(UVec2::splat(8), [0.0; 4]);
-        raster.triangle(at(-0.5), &mut |_, _, _| None);
-        raster.triangle(at(0.5), &mut |v, _, front| fragment(v, front));
-        raster.triangle(at(0.7), &mut |_, _, _| panic!("hidden"));
+        raster.triangle(at(-0.5), &mut |sample| (None, fragment(sample)));
+        assert!(matches!(raster.pixels[0], Pixel::Hole(_)));
+        raster.triangle(at(0.5), &mut drawn);
+        raster.triangle(at(0.7), &mut |_| panic!("hidden"));
         let Pixel::Surface(fragment) = raster.pixels[0] else {
             panic!("the pixel is inside")
         };
@@ -321,7 +362,7 @@ mod tests {
     #[test]
     fn lines_have_a_pixel_a_step_and_squares_their_side() {
         let mut raster = Raster::new(UVec2::splat(8), [0.0; 4]);
-        raster.line([vertex(0.0, 1.0, 1.0), vertex(8.0, 5.0, 1.0)], &mut |v, _, f| fragment(v, f));
+        raster.line([vertex(0.0, 1.0, 1.0), vertex(8.0, 5.0, 1.0)], &mut drawn);
         let drawn = raster.pixels.iter().filter(|pixel| **pixel != Pixel::Background).count();
         assert_eq!(drawn, 8);
         raster.square(vertex(4.0, 4.0, 1.0).clip, 3.0, DVec3::Z);

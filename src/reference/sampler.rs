@@ -38,15 +38,17 @@ impl<'a> Sampler<'a> {
         Self::Levels(levels)
     }
 
-    /// The colour at `uv`, where a pixel covers `footprint` of the domain along its longer side.
-    pub(super) fn sample(&self, uv: DVec2, footprint: f64) -> DVec3 {
+    /// The colour at `uv`, where (u, v) goes so far with a pixel to the right and one down.
+    pub(super) fn sample(&self, uv: DVec2, uv_per_px: [DVec2; 2]) -> DVec3 {
         match self {
             // The renderer keeps colours in textures of 8 bits.
             Self::Color(color) => DVec3::from(color.map(|channel| {
                 (f64::from(channel) * 255.0).round() / 255.0
             })),
             Self::Levels(levels) => {
-                let texels = footprint * levels[0].width.max(levels[0].height) as f64;
+                let size = DVec2::new(levels[0].width as f64, levels[0].height as f64);
+                let [right, down] = uv_per_px.map(|step| (step * size).length());
+                let texels = right.max(down);
                 let level = texels.max(1.0).log2().min((levels.len() - 1) as f64);
                 let below = level.floor() as usize;
                 let above = (below + 1).min(levels.len() - 1);
@@ -106,9 +108,9 @@ mod tests {
     fn texel_centres_show_their_texels_and_the_first_row_is_on_top() {
         let paint = checker();
         let sampler = Sampler::new(&paint);
-        let top_left = sampler.sample(DVec2::new(0.125, 0.75), 0.0);
+        let top_left = sampler.sample(DVec2::new(0.125, 0.75), [DVec2::ZERO; 2]);
         assert_eq!(top_left, DVec3::new(1.0, 0.0, 0.0));
-        let bottom_right = sampler.sample(DVec2::new(0.875, 0.25), 0.0);
+        let bottom_right = sampler.sample(DVec2::new(0.875, 0.25), [DVec2::ZERO; 2]);
         assert!(bottom_right.distance(DVec3::new(1.0, 150.0 / 255.0, 100.0 / 255.0)) < 1e-12);
     }
 
@@ -116,17 +118,17 @@ mod tests {
     fn between_centres_and_beyond_edges() {
         let paint = checker();
         let sampler = Sampler::new(&paint);
-        let between = sampler.sample(DVec2::new(0.25, 0.75), 0.0);
+        let between = sampler.sample(DVec2::new(0.25, 0.75), [DVec2::ZERO; 2]);
         assert!((between.x - 0.5).abs() < 1e-12);
-        let beyond = sampler.sample(DVec2::new(-1.0, 2.0), 0.0);
-        assert_eq!(beyond, sampler.sample(DVec2::new(0.125, 0.75), 0.0));
+        let beyond = sampler.sample(DVec2::new(-1.0, 2.0), [DVec2::ZERO; 2]);
+        assert_eq!(beyond, sampler.sample(DVec2::new(0.125, 0.75), [DVec2::ZERO; 2]));
     }
 
     #[test]
     fn a_large_footprint_averages() {
         let paint = checker();
         let sampler = Sampler::new(&paint);
-        let mean = sampler.sample(DVec2::new(0.3, 0.3), 10.0);
+        let mean = sampler.sample(DVec2::new(0.3, 0.3), [DVec2::X * 10.0; 2]);
         assert!((mean.x - 0.5).abs() < 0.01);
     }
 }

@@ -1,0 +1,119 @@
+//! The command line: what can be asked for, and who does it.
+
+mod info;
+mod output;
+mod render;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use freeform_surface::{Backend, Error, Scene, TessLevel};
+
+use output::Output;
+use render::Job;
+
+/// Renders trimmed Bézier surfaces with OpenGL tessellation, without a display.
+///
+/// Without a command it renders the default scene.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render scene files to PNG pictures.
+    Render(RenderArguments),
+    /// Print the OpenGL driver and the limits that the program relies on.
+    Info(InfoArguments),
+}
+
+#[derive(Debug, Args)]
+struct RenderArguments {
+    /// Scene files: .toml, or .bpt for bare Bézier patches.
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+
+    /// The picture's file; a folder if there are several scenes; "-" for standard output.
+    /// Otherwise each picture has the name of its scene and goes to the current folder.
+    #[arg(short, long, value_name = "OUT.png")]
+    output: Option<PathBuf>,
+
+    /// Pixels of the picture.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
+    resolution: (u32, u32),
+
+    /// Tessellation level, 1 to 64, instead of the scene's.
+    #[arg(long, value_name = "N", value_parser = level, allow_negative_numbers = true)]
+    level: Option<TessLevel>,
+
+    /// Draw lines instead of filled triangles.
+    #[arg(long)]
+    wireframe: bool,
+
+    /// Show the control points as blue squares.
+    #[arg(long)]
+    control_points: bool,
+
+    /// Where the OpenGL context comes from: auto, egl or osmesa.
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    backend: Backend,
+
+    /// Print how long each part took. The frame is drawn twice to tell the driver's compilation
+    /// from the drawing.
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+#[derive(Debug, Args)]
+struct InfoArguments {
+    /// Where the OpenGL context comes from: auto, egl or osmesa.
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    backend: Backend,
+}
+
+fn resolution(text: &str) -> Result<(u32, u32), String> {
+    let side = |text: &str| text.parse().ok().filter(|pixels| *pixels > 0);
+    text.split_once('x')
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| "expected WIDTHxHEIGHT, two whole numbers above 0".into())
+}
+
+fn level(text: &str) -> Result<TessLevel, String> {
+    text.parse()
+        .ok()
+        .and_then(|level| TessLevel::new(level).ok())
+        .ok_or_else(|| "expected a whole number from 1 to 64".into())
+}
+
+/// Does what the arguments ask for.
+///
+/// # Errors
+/// One error for each scene that failed; the others are done all the same.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
+    match &arguments.command {
+        None => default_scene().map_err(|error| vec![error]),
+        Some(Command::Render(arguments)) => {
+            let outputs = Output::plan(&arguments.scenes, arguments.output.as_deref())
+                .map_err(|error| vec![error])?;
+            render::all(arguments, &outputs)
+        }
+        Some(Command::Info(arguments)) => info::print(arguments.backend).map_err(|error| vec![error]),
+    }
+}
+
+fn default_scene() -> Result<(), Error> {
+    let output = Output::File("freeform.png".into());
+    let mut job = Job::new(Backend::Auto, (1000, 600))?;
+    job.render(&Scene::listing16(), &output)?;
+    println!("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on");
+    println!("{}", job.driver());
+    println!();
+    println!("Next:");
+    println!("  freeform render resources/scenes/thesis/*.toml -o out/   the figures of the thesis");
+    println!("  freeform render resources/surfaces/teapot.bpt            the Utah teapot");
+    println!("  freeform render --help                                   levels, wireframe, sizes");
+    Ok(())
+}

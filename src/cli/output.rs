@@ -1,0 +1,198 @@
+//! Where pictures go. A file is written beside its place and then renamed, so that nothing is ever
+//! left half written and a failure leaves an older file as it was.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use freeform_surface::{Error, Image, Result};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder as _};
+
+/// The place of one picture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Output {
+    /// A PNG file.
+    File(PathBuf),
+    /// Standard output.
+    Standard,
+}
+
+impl fmt::Display for Output {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Standard => f.write_str("standard output"),
+        }
+    }
+}
+
+impl Output {
+    /// The place of each scene's picture. A folder that is needed and missing is made.
+    ///
+    /// # Errors
+    /// Two pictures with one name, several on standard output, a name that is no .png, a folder
+    /// that cannot be made.
+    pub(super) fn plan(scenes: &[PathBuf], output: Option<&Path>) -> Result<Vec<Self>> {
+        let folder = match output {
+            None => PathBuf::new(),
+            Some(path) if path == Path::new("-") => {
+                return match scenes {
+                    [_] => Ok(vec![Self::Standard]),
+                    _ => Err(Error::invalid(
+                        "output",
+                        "\"-\" for several scenes",
+                        "a folder, or a single scene",
+                    )),
+                };
+            }
+            Some(path) => {
+                let ends_as_folder = path.to_string_lossy().ends_with(std::path::is_separator);
+                if scenes.len() == 1 && !ends_as_folder && !path.is_dir() {
+                    return single(path).map(|output| vec![output]);
+                }
+                std::fs::create_dir_all(path).map_err(|error| Error::File {
+                    action: "make the folder",
+                    path: path.to_owned(),
+                    reason: error.to_string(),
+                })?;
+                path.to_owned()
+            }
+        };
+        let mut taken: HashMap<PathBuf, &PathBuf> = HashMap::new();
+        scenes
+            .iter()
+            .map(|scene| {
+                let stem = scene.file_stem().unwrap_or(scene.as_os_str());
+                let mut name = stem.to_owned();
+                name.push(".png");
+                let path = folder.join(name);
+                match taken.insert(path.clone(), scene) {
+                    None => Ok(Self::File(path)),
+                    Some(other) => Err(Error::invalid(
+                        "output",
+                        format!("{} for {} and {}", path.display(), other.display(), scene.display()),
+                        "scenes with different names, or one call for each",
+                    )),
+                }
+            })
+            .collect()
+    }
+
+    /// Writes a picture; without transparent pixels it has no alpha channel.
+    ///
+    /// # Errors
+    /// The file cannot be written; an older one stays as it was.
+    pub(super) fn write(&self, image: &Image) -> Result<()> {
+        let path = match self {
+            Self::File(path) => path.clone(),
+            Self::Standard => PathBuf::from("standard output"),
+        };
+        let fail = |reason: String| Error::File {
+            action: "write",
+            path: path.clone(),
+            reason,
+        };
+        let bytes = encode(image).map_err(|error| fail(error.to_string()))?;
+        match self {
+            Self::Standard => {
+                let mut out = std::io::stdout().lock();
+                out.write_all(&bytes).and_then(|()| out.flush())
+            }
+            Self::File(path) => replace(path, &bytes),
+        }
+        .map_err(|error| fail(error.to_string()))
+    }
+}
+
+fn single(path: &Path) -> Result<Output> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if extension != "png" {
+        return Err(Error::invalid("output", path.display(), "a name that ends in .png, or a folder"));
+    }
+    Ok(Output::File(path.to_owned()))
+}
+
+fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
+    let (width, height) = image.dimensions();
+    let opaque = image.pixels().all(|pixel| pixel.0[3] == 255);
+    let rgb: Vec<u8>;
+    let (pixels, color): (&[u8], _) = if opaque {
+        rgb = image.pixels().flat_map(|pixel| [pixel.0[0], pixel.0[1], pixel.0[2]]).collect();
+        (&rgb, ExtendedColorType::Rgb8)
+    } else {
+        (image.as_raw(), ExtendedColorType::Rgba8)
+    };
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive)
+        .write_image(pixels, width, height, color)?;
+    Ok(bytes)
+}
+
+/// Writes beside `path` and renames.
+fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut name = std::ffi::OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    std::fs::write(&part, bytes)
+        .and_then(|()| std::fs::rename(&part, path))
+        .inspect_err(|_| {
+            // The file may not exist; what went wrong is already known.
+            let _ = std::fs::remove_file(&part);
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn plan(scenes: &[&str], output: Option<&str>) -> Result<Vec<Output>> {
+        let scenes: Vec<PathBuf> = scenes.iter().map(PathBuf::from).collect();
+        Output::plan(&scenes, output.map(Path::new))
+    }
+
+    #[test]
+    fn names_come_from_the_scenes() {
+        let file = |name: &str| Output::File(name.into());
+        assert_eq!(plan(&["a/x.toml", "y.bpt"], None).unwrap(), [file("x.png"), file("y.png")]);
+        assert_eq!(plan(&["a/x.toml"], Some("z.PNG")).unwrap(), [file("z.PNG")]);
+        assert_eq!(plan(&["a/x.toml"], Some("-")).unwrap(), [Output::Standard]);
+        let folder = tempfile::tempdir().unwrap();
+        let inside = folder.path().join("new");
+        let planned = plan(&["a/x.toml", "b/y.toml"], inside.to_str()).unwrap();
+        assert_eq!(planned[1], Output::File(inside.join("y.png")));
+        assert!(inside.is_dir());
+    }
+
+    #[test]
+    fn clashes_and_other_formats_are_refused() {
+        for (scenes, output, word) in [
+            (&["a/x.toml", "b/x.bpt"][..], None, "x.png for a/x.toml and b/x.bpt"),
+            (&["x.toml", "y.toml"][..], Some("-"), "several scenes"),
+            (&["x.toml"][..], Some("x.jpg"), ".png"),
+            (&["x.toml"][..], Some("x"), ".png"),
+        ] {
+            let text = plan(scenes, output).unwrap_err().to_string();
+            assert!(text.contains(word), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_picture_is_replaced_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("x.png");
+        let output = Output::File(path.clone());
+        let opaque = Image::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
+        output.write(&opaque).unwrap();
+        let clear = Image::from_pixel(3, 2, image::Rgba([1, 2, 3, 0]));
+        output.write(&clear).unwrap();
+        assert_eq!(image::open(&path).unwrap().into_rgba8(), clear);
+        let files = std::fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(files, 1);
+
+        let missing = Output::File(folder.path().join("no/x.png"));
+        assert!(missing.write(&opaque).unwrap_err().to_string().contains("no/x.png"));
+    }
+}

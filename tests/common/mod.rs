@@ -1,0 +1,213 @@
+//! What the tests share: pictures from the GPU, and comparisons that say what differs.
+#![allow(dead_code, unreachable_pub, reason = "every test file is a crate that uses a part of it")]
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use freeform_surface::gpu::Framebuffer;
+use freeform_surface::renderer::programs::Sources;
+use freeform_surface::{Backend, Frame, Headless, Image, PreparedScene, Renderer, Scene};
+use glam::UVec2;
+
+/// The root of the project.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The scenes of the thesis' figures and of the report: names and files.
+pub fn figures() -> Vec<(String, PathBuf)> {
+    let thesis = (14..=34).map(|number| format!("thesis/fig{number}"));
+    let report = ["textured", "wireframe"].map(|name| format!("report/{name}"));
+    thesis
+        .chain(report)
+        .map(|name| {
+            let path = root().join("resources/scenes").join(&name).with_extension("toml");
+            (name.replace('/', "-"), path)
+        })
+        .collect()
+}
+
+pub fn load(path: &Path) -> Scene {
+    Scene::load(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The backends to test: both, unless `FREEFORM_TEST_BACKENDS` names fewer, as on a system that has
+/// no package of OSMesa.
+pub fn backends() -> Vec<Backend> {
+    std::env::var("FREEFORM_TEST_BACKENDS").map_or_else(
+        |_| vec![Backend::Egl, Backend::Osmesa],
+        |names| names.split(',').map(|name| name.parse().expect("a backend's name")).collect(),
+    )
+}
+
+/// A context that fails the test when the driver complained of anything.
+pub struct Checked(Headless);
+
+impl Checked {
+    pub fn new(backend: Backend) -> Self {
+        Self(Headless::new(backend).unwrap_or_else(|error| panic!("{error}")))
+    }
+}
+
+impl std::ops::Deref for Checked {
+    type Target = Headless;
+
+    fn deref(&self) -> &Headless {
+        &self.0
+    }
+}
+
+impl Drop for Checked {
+    fn drop(&mut self) {
+        let errors = self.0.debug_log().take_errors();
+        if !std::thread::panicking() {
+            assert!(errors.is_empty(), "the driver complained: {errors:#?}");
+        }
+    }
+}
+
+/// Renders a scene in a context of its own.
+pub fn render(scene: &Scene, size: UVec2, backend: Backend) -> Image {
+    render_with(scene, size, backend, Sources::default())
+}
+
+/// Renders a scene with other shaders.
+pub fn render_with(scene: &Scene, size: UVec2, backend: Backend, sources: Sources) -> Image {
+    let context = Checked::new(backend);
+    let target = Framebuffer::new(context.gl(), size.x, size.y).unwrap();
+    let mut renderer =
+        Renderer::with_sources(context.gl(), sources).unwrap_or_else(|error| panic!("{error}"));
+    let mut prepared = PreparedScene::new(&renderer, scene).unwrap();
+    draw(scene, &mut prepared, &mut renderer, &target);
+    target.read()
+}
+
+/// Draws a prepared scene into a target.
+pub fn draw(
+    scene: &Scene,
+    prepared: &mut PreparedScene,
+    renderer: &mut Renderer,
+    target: &Framebuffer,
+) {
+    let (width, height) = target.size();
+    target.bind();
+    let frame = Frame {
+        projection: scene.projection(width, height),
+        settings: scene.settings,
+    };
+    prepared.draw(renderer, &frame).unwrap_or_else(|error| panic!("{error}"));
+}
+
+/// How two pictures differ outside the pixels that are left out.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub struct Difference {
+    /// Pixels with a channel off by more than the tolerance.
+    pub wrong: usize,
+    /// Pixels that were compared.
+    pub compared: usize,
+    /// The largest difference of a channel.
+    pub most: u8,
+    /// Pixels off by more than 0, 2, 4, 16 and 64.
+    pub above: [usize; 5],
+    /// The first wrong pixel.
+    pub first: Option<(u32, u32)>,
+}
+
+/// Compares all four channels of two pictures of one size.
+///
+/// # Errors
+/// Pictures of different sizes.
+pub fn difference(
+    expected: &Image,
+    actual: &Image,
+    left_out: &[bool],
+    tolerance: u8,
+) -> Result<Difference, String> {
+    if expected.dimensions() != actual.dimensions() {
+        let (a, b) = (expected.dimensions(), actual.dimensions());
+        return Err(format!("sizes differ: expected {a:?}, actual {b:?}"));
+    }
+    let mut result = Difference::default();
+    for (i, (x, y, pixel)) in expected.enumerate_pixels().enumerate() {
+        if left_out.get(i).copied().unwrap_or(false) {
+            continue;
+        }
+        let other = actual.get_pixel(x, y);
+        let off = (0..4).map(|c| pixel.0[c].abs_diff(other.0[c])).max().unwrap_or(0);
+        result.compared += 1;
+        result.most = result.most.max(off);
+        for (count, threshold) in result.above.iter_mut().zip([0, 2, 4, 16, 64]) {
+            *count += usize::from(off > threshold);
+        }
+        if off > tolerance {
+            result.wrong += 1;
+            result.first.get_or_insert((x, y));
+        }
+    }
+    Ok(result)
+}
+
+/// Fails, leaving expected, difference and actual side by side in `target/test-failures`.
+pub fn assert_same(name: &str, expected: &Image, actual: &Image, left_out: &[bool], tolerance: u8) {
+    let found = difference(expected, actual, left_out, tolerance);
+    if matches!(&found, Ok(found) if found.wrong == 0 && found.compared > 0) {
+        return;
+    }
+    let mut message = format!("{name}: tolerance {tolerance}, {found:?} (above 0, 2, 4, 16, 64)");
+    match write_failure(name, expected, actual, left_out) {
+        Ok(path) => {
+            let _ = write!(message, "\nexpected | difference | actual: {}", path.display());
+        }
+        Err(error) => {
+            let _ = write!(message, "\nthe pictures could not be written: {error}");
+        }
+    }
+    panic!("{message}");
+}
+
+fn write_failure(
+    name: &str,
+    expected: &Image,
+    actual: &Image,
+    left_out: &[bool],
+) -> Result<PathBuf, Box<dyn std::error::Error>> {
+    let folder = root().join("target/test-failures");
+    std::fs::create_dir_all(&folder)?;
+    let (width, height) = (expected.width().max(actual.width()), expected.height().max(actual.height()));
+    let mut sheet = Image::new(3 * width, height);
+    image::imageops::replace(&mut sheet, expected, 0, 0);
+    image::imageops::replace(&mut sheet, actual, 2 * i64::from(width), 0);
+    if expected.dimensions() == actual.dimensions() {
+        for (i, (x, y, pixel)) in expected.enumerate_pixels().enumerate() {
+            let other = actual.get_pixel(x, y);
+            let off = (0..4).map(|c| pixel.0[c].abs_diff(other.0[c])).max().unwrap_or(0);
+            let grey = if left_out.get(i).copied().unwrap_or(false) { 60 } else { 0 };
+            let shown = image::Rgba([off.saturating_mul(8), grey, grey, 255]);
+            sheet.put_pixel(width + x, y, shown);
+        }
+    }
+    let path = folder.join(format!("{name}.png"));
+    sheet.save(&path)?;
+    Ok(path)
+}
+
+/// The stored reference picture of that name. With `UPDATE_REFERENCES=1` it is written first.
+pub fn stored_reference(name: &str, picture: &Image) -> Image {
+    let path = root().join("tests/references").join(name).with_extension("png");
+    if std::env::var_os("UPDATE_REFERENCES").is_some_and(|value| value == "1") {
+        picture.save(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    }
+    read_reference(&path)
+}
+
+/// Reads a reference; a missing one is a failure.
+pub fn read_reference(path: &Path) -> Image {
+    image::open(path)
+        .unwrap_or_else(|error| {
+            panic!(
+                "{}: {error}; run the test with UPDATE_REFERENCES=1 and look at what it wrote",
+                path.display()
+            )
+        })
+        .into_rgba8()
+}
