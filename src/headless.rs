@@ -4,6 +4,7 @@
 mod egl;
 mod osmesa;
 
+use std::ffi::{CStr, c_void};
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -48,12 +49,8 @@ impl FromStr for Backend {
 
 /// What keeps a context alive; dropping it destroys the context.
 enum Owner {
-    Egl {
-        _context: egl::Context,
-    },
-    Osmesa {
-        _context: osmesa::Context,
-    },
+    Egl(egl::Context),
+    Osmesa(osmesa::Context),
 }
 
 /// An OpenGL 4.5 core context, current on the thread that made it until it is dropped.
@@ -65,7 +62,7 @@ pub struct Headless {
     debug_log: DebugLog,
     backend: Backend,
     info: DriverInfo,
-    _owner: Owner,
+    owner: Owner,
 }
 
 impl fmt::Debug for Headless {
@@ -101,12 +98,12 @@ impl Headless {
 
     fn egl() -> Result<Self, String> {
         let (context, gl) = egl::Context::new()?;
-        Self::finish(gl, Backend::Egl, Owner::Egl { _context: context })
+        Self::finish(gl, Backend::Egl, Owner::Egl(context))
     }
 
     fn osmesa() -> Result<Self, String> {
         let (context, gl) = osmesa::Context::new()?;
-        Self::finish(gl, Backend::Osmesa, Owner::Osmesa { _context: context })
+        Self::finish(gl, Backend::Osmesa, Owner::Osmesa(context))
     }
 
     fn finish(mut gl: glow::Context, backend: Backend, owner: Owner) -> Result<Self, String> {
@@ -123,7 +120,7 @@ impl Headless {
             debug_log,
             backend,
             info,
-            _owner: owner,
+            owner,
         })
     }
 
@@ -131,6 +128,15 @@ impl Headless {
     #[must_use]
     pub const fn gl(&self) -> &Arc<glow::Context> {
         &self.gl
+    }
+
+    /// The address of an OpenGL function, or null: for callers who need one that glow lacks.
+    #[must_use]
+    pub fn proc_address(&self, name: &CStr) -> *const c_void {
+        match &self.owner {
+            Owner::Egl(context) => context.proc_address(name),
+            Owner::Osmesa(context) => context.proc_address(name),
+        }
     }
 
     /// Which backend gave the context.

@@ -201,6 +201,19 @@ impl Surface {
             .map(|points| Patch::new(self.degree, points))
     }
 
+    /// Points of the surface in world space, `side` × `side` of each patch.
+    fn samples(&self, side: usize) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        let at = move |i: usize| i as f64 / (side - 1) as f64;
+        self.control_points
+            .chunks_exact(self.degree.points())
+            .flat_map(move |points| (0..side * side).map(move |i| (points, i)))
+            .map(move |(points, i)| {
+                let patch = Patch::new(self.degree, points);
+                let point = patch.at(at(i % side), at(i / side)).position;
+                self.transform.transform_point3(point)
+            })
+    }
+
     /// Control points in world space, without their weights. The surface lies in their hull.
     pub fn world_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
         self.control_points
@@ -294,9 +307,23 @@ impl Scene {
     pub fn projection(&self, width: u32, height: u32) -> Projection {
         let aspect = f64::from(width) / f64::from(height);
         let points = self.surfaces.iter().flat_map(Surface::world_points);
-        self.camera
-            .unwrap_or_else(|| Camera::framing(points.clone(), self.up, aspect))
-            .projection(points, aspect)
+        self.camera.unwrap_or_else(|| self.framed(aspect)).projection(points, aspect)
+    }
+
+    /// A camera that sees the whole scene, for pictures of `aspect` (width over height).
+    #[must_use]
+    pub fn framed(&self, aspect: f64) -> Camera {
+        // Few patches need many samples to show their shape, many patches few.
+        const SAMPLES: usize = 4_000;
+        let patches: usize = self.surfaces.iter().map(|surface| surface.patches().len()).sum();
+        let side = (SAMPLES / patches.max(1)).isqrt().clamp(2, 17);
+        let points = self.surfaces.iter().flat_map(|surface| surface.samples(side));
+        if self.settings.control_points {
+            let control_points = self.surfaces.iter().flat_map(Surface::world_points);
+            Camera::framing(points.chain(control_points), self.up, aspect)
+        } else {
+            Camera::framing(points, self.up, aspect)
+        }
     }
 }
 

@@ -148,17 +148,10 @@ impl Program {
         Some(value[0])
     }
 
-    /// The binding point of a shader storage block by its name in the source.
+    /// The number under which the driver knows the program.
     #[must_use]
-    pub fn storage_binding(&self, block: &str) -> Option<i32> {
-        // SAFETY: the context is current (see the module); the index was just found.
-        unsafe {
-            let index = self.gl.get_shader_storage_block_index(self.raw, block)?;
-            let properties = [glow::BUFFER_BINDING];
-            let kind = glow::SHADER_STORAGE_BLOCK;
-            let values = self.gl.get_program_resource_i32(self.raw, kind, index, &properties);
-            values.first().copied()
-        }
+    pub const fn raw(&self) -> glow::Program {
+        self.raw
     }
 
     /// Sets a `mat4`.

@@ -1,6 +1,6 @@
 //! Contexts through EGL devices, without a surface.
 
-use std::ffi::CString;
+use std::ffi::{CStr, c_void};
 
 use glutin::api::egl::config::Config;
 use glutin::api::egl::context::PossiblyCurrentContext;
@@ -13,7 +13,11 @@ use glutin::context::{
 use glutin::display::GlDisplay as _;
 
 /// A context that is current until it is dropped.
-pub(super) struct Context(Option<PossiblyCurrentContext>);
+pub(super) struct Context {
+    /// `None` only while it is dropped.
+    current: Option<PossiblyCurrentContext>,
+    display: Display,
+}
 
 impl Context {
     /// The first device that gives a 4.5 core context, hardware before software.
@@ -55,19 +59,23 @@ impl Context {
         // SAFETY: the config is this display's, and no window handle is passed.
         let context = unsafe { display.create_context(&config, &attributes)? };
         let context = context.make_current_surfaceless()?;
-        // SAFETY: the context is current, so the functions that EGL names are its own.
-        let gl = unsafe {
-            glow::Context::from_loader_function(|name| {
-                CString::new(name).map_or(std::ptr::null(), |name| display.get_proc_address(&name))
-            })
+        let context = Self {
+            current: Some(context),
+            display,
         };
-        Ok((Self(Some(context)), gl))
+        // SAFETY: the context is current, so the functions that EGL names are its own.
+        let gl = unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
+        Ok((context, gl))
+    }
+
+    pub(super) fn proc_address(&self, name: &CStr) -> *const c_void {
+        self.display.get_proc_address(name)
     }
 }
 
 impl Drop for Context {
     fn drop(&mut self) {
-        if let Some(Err(error)) = self.0.take().map(|context| context.make_not_current()) {
+        if let Some(Err(error)) = self.current.take().map(|context| context.make_not_current()) {
             log::debug!("EGL context was not released: {error}");
         }
     }

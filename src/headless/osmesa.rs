@@ -1,7 +1,7 @@
 //! Contexts through Mesa's off-screen library, loaded at run time: few machines have it, and none
 //! needs it where EGL works.
 
-use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::sync::OnceLock;
 
 use libloading::Library;
@@ -58,6 +58,7 @@ fn load() -> Result<Functions, String> {
 
 /// A context that is current until it is dropped.
 pub(super) struct Context {
+    functions: &'static Functions,
     raw: RawContext,
     /// OSMesa cannot be current without a picture; the library draws into its own framebuffers.
     pixel: Box<[u8; 4]>,
@@ -81,6 +82,7 @@ impl Context {
             return Err("OSMesa: it gives no OpenGL 4.5 core context".into());
         }
         let mut context = Self {
+            functions,
             raw,
             pixel: Box::new([0; 4]),
         };
@@ -90,27 +92,24 @@ impl Context {
             return Err("OSMesa: the context cannot be made current".into());
         }
         // SAFETY: the context is current, so the functions that OSMesa names are its own.
-        let gl = unsafe {
-            glow::Context::from_loader_function(|name| {
-                CString::new(name)
-                    .ok()
-                    .and_then(|name| (functions.get_proc_address)(name.as_ptr()))
-                    .map_or(std::ptr::null(), |function| function as *const c_void)
-            })
-        };
+        let gl = unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
         Ok((context, gl))
+    }
+
+    pub(super) fn proc_address(&self, name: &CStr) -> *const c_void {
+        // SAFETY: the name ends in a 0 byte, as the library expects.
+        unsafe { (self.functions.get_proc_address)(name.as_ptr()) }
+            .map_or(std::ptr::null(), |function| function as *const c_void)
     }
 }
 
 impl Drop for Context {
     fn drop(&mut self) {
-        if let Ok(functions) = functions() {
-            // SAFETY: the context came from this library and is destroyed once; a null context
-            // releases the current one first.
-            unsafe {
-                (functions.make_current)(std::ptr::null_mut(), std::ptr::null_mut(), 0, 0, 0);
-                (functions.destroy)(self.raw);
-            }
+        // SAFETY: the context came from this library and is destroyed once; a null context releases
+        // the current one first.
+        unsafe {
+            (self.functions.make_current)(std::ptr::null_mut(), std::ptr::null_mut(), 0, 0, 0);
+            (self.functions.destroy)(self.raw);
         }
     }
 }

@@ -1,6 +1,7 @@
 //! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every fault names its line.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,8 +23,7 @@ use crate::{
 #[serde(deny_unknown_fields)]
 struct Document {
     camera: Option<Spanned<CameraTable>>,
-    #[serde(default)]
-    render: RenderTable,
+    render: Option<Spanned<RenderTable>>,
     #[serde(default)]
     surface: Vec<Spanned<SurfaceTable>>,
 }
@@ -174,88 +174,130 @@ impl<'de> Deserialize<'de> for ControlPoint {
     }
 }
 
+/// The most bytes, strings aside, of one `[[surface]]` with its trims. The toml crate takes up to 250
+/// times as much memory; a control net that is larger has its place in a .bpt file.
+const MAX_SURFACE_BYTES: usize = 256 << 10;
+
 /// Parses a scene; `path` is for the errors and for the folder of the files it names.
+///
+/// Each `[[surface]]` is parsed by itself, so that the memory grows with the largest of them and not
+/// with the file.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
-    let document: Document = toml::from_str(text).map_err(|error| Error::Scene {
-        path: path.to_owned(),
-        line: line_of(text, error.span().map_or(0, |span| span.start)),
-        message: error.message().trim().replace('\n', " "),
-    })?;
-    Builder {
+    let mut builder = Builder {
         text,
         path,
+        chunk: 0,
         textures: HashMap::new(),
+    };
+    let mut camera = None;
+    let mut settings = None;
+    let mut surfaces = Vec::new();
+    for chunk in chunks(text) {
+        builder.chunk = chunk.start;
+        let document = builder.document(&text[chunk])?;
+        builder.once("camera", &mut camera, document.camera, camera_of)?;
+        builder.once("render", &mut settings, document.render, settings_of)?;
+        for table in document.surface {
+            surfaces.extend(builder.surfaces(table)?);
+        }
     }
-    .scene(document)
+    if surfaces.is_empty() {
+        let nothing = Error::invalid("scene", "empty", "at least one [[surface]]");
+        builder.chunk = 0;
+        return Err(builder.at(0, nothing));
+    }
+    Ok(Scene {
+        camera,
+        up: DVec3::Y,
+        settings: settings.unwrap_or_default(),
+        surfaces,
+    })
+}
+
+/// The text before the first line `[[surface]]`, then from each such line to the next.
+fn chunks(text: &str) -> Vec<Range<usize>> {
+    let mut starts = vec![0];
+    let mut offset = 0;
+    for line in text.split_inclusive('\n') {
+        let header = line.split('#').next().unwrap_or_default().trim();
+        if offset > 0 && header == "[[surface]]" {
+            starts.push(offset);
+        }
+        offset += line.len();
+    }
+    let ends = starts.iter().skip(1).copied().chain([text.len()]);
+    std::iter::zip(starts.iter().copied(), ends).map(|(start, end)| start..end).collect()
+}
+
+/// Bytes outside of strings that lie on one line.
+fn bytes_beside_strings(text: &str) -> usize {
+    text.lines()
+        .map(|line| line.split('"').step_by(2).map(|part| part.len() + 1).sum::<usize>())
+        .sum()
 }
 
 struct Builder<'a> {
     text: &'a str,
     path: &'a Path,
+    /// Where the part begins that is parsed now; spans count from there.
+    chunk: usize,
     textures: HashMap<PathBuf, Arc<Image>>,
 }
 
 impl Builder<'_> {
-    /// An error at the line of a byte of the text.
-    fn at(&self, offset: usize, error: &Error) -> Error {
+    /// An error at the line of a byte of the chunk, unless it has a line already.
+    fn at(&self, offset: usize, error: impl ToString) -> Error {
         Error::Scene {
             path: self.path.to_owned(),
-            line: line_of(self.text, offset),
-            message: error.to_string(),
+            line: line_of(self.text, self.chunk + offset),
+            message: error.to_string().trim().replace('\n', " "),
         }
     }
 
     /// Checks a value, giving a fault the line where the value stands.
     fn check<T, U>(&self, value: Spanned<T>, check: impl FnOnce(T) -> Result<U>) -> Result<U> {
         let start = value.span().start;
-        check(value.into_inner()).map_err(|error| self.at(start, &error))
+        check(value.into_inner()).map_err(|error| self.at(start, error))
+    }
+
+    fn document(&self, chunk: &str) -> Result<Document> {
+        let size = bytes_beside_strings(chunk);
+        if size > MAX_SURFACE_BYTES {
+            return Err(self.at(
+                0,
+                format!(
+                    "{size} bytes beside the strings up to the next [[surface]]; expected at most \
+                     {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file"
+                ),
+            ));
+        }
+        toml::from_str(chunk).map_err(|error| {
+            self.at(error.span().map_or(0, |span| span.start), error.message())
+        })
+    }
+
+    /// Takes a table that a scene has at most once.
+    fn once<T, U>(
+        &self,
+        name: &str,
+        place: &mut Option<U>,
+        table: Option<Spanned<T>>,
+        convert: impl FnOnce(&Self, T) -> Result<U>,
+    ) -> Result<()> {
+        let Some(table) = table else { return Ok(()) };
+        let start = table.span().start;
+        if place.is_some() {
+            return Err(self.at(start, format!("a second [{name}]; expected one at most")));
+        }
+        *place = Some(convert(self, table.into_inner()).map_err(|error| match error {
+            Error::Scene { .. } => error,
+            other => self.at(start, other),
+        })?);
+        Ok(())
     }
 
     fn beside_scene(&self, file: &str) -> PathBuf {
         self.path.parent().unwrap_or_else(|| Path::new("")).join(file)
-    }
-
-    fn scene(mut self, document: Document) -> Result<Scene> {
-        if document.surface.is_empty() {
-            let nothing = Error::invalid("scene", "empty", "at least one [[surface]]");
-            return Err(self.at(0, &nothing));
-        }
-        let camera = document.camera.map(|table| self.check(table, camera)).transpose()?;
-        let settings = self.settings(document.render)?;
-        let mut surfaces = Vec::with_capacity(document.surface.len());
-        for table in document.surface {
-            surfaces.extend(self.surfaces(table)?);
-        }
-        Ok(Scene {
-            camera,
-            up: DVec3::Y,
-            settings,
-            surfaces,
-        })
-    }
-
-    fn settings(&self, table: RenderTable) -> Result<RenderSettings> {
-        let mut settings = RenderSettings {
-            wireframe: table.wireframe,
-            control_points: table.control_points,
-            ..RenderSettings::default()
-        };
-        if let Some(background) = table.background {
-            settings.background = self.check(background, |rgba| unit_range("background", rgba))?;
-        }
-        if let Some(level) = table.level {
-            settings.level = self.check(level, TessLevel::new)?;
-        }
-        if let Some(newton) = table.newton {
-            settings.newton = self.check(newton, |table| {
-                let default = Newton::default();
-                Newton::new(
-                    table.iterations.unwrap_or(default.iterations()),
-                    table.epsilon.unwrap_or(default.epsilon()),
-                )
-            })?;
-        }
-        Ok(settings)
     }
 
     /// The surface of one table; several if its file holds patches of two degrees.
@@ -274,12 +316,12 @@ impl Builder<'_> {
                     "without one source of points",
                     "either control_points or file",
                 );
-                return Err(self.at(start, &choice));
+                return Err(self.at(start, choice));
             }
         };
         let paint = self.paint(table.texture, table.color, table.shading)?;
         let transform = transform(table.translate, table.rotate_degrees, table.scale)
-            .map_err(|error| self.at(start, &error))?;
+            .map_err(|error| self.at(start, error))?;
         for surface in &mut surfaces {
             surface.transform = transform;
             surface.paint = paint.clone();
@@ -326,7 +368,31 @@ impl Builder<'_> {
     }
 }
 
-fn camera(table: CameraTable) -> Result<Camera> {
+fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettings> {
+    let mut settings = RenderSettings {
+        wireframe: table.wireframe,
+        control_points: table.control_points,
+        ..RenderSettings::default()
+    };
+    if let Some(background) = table.background {
+        settings.background = builder.check(background, |rgba| unit_range("background", rgba))?;
+    }
+    if let Some(level) = table.level {
+        settings.level = builder.check(level, TessLevel::new)?;
+    }
+    if let Some(newton) = table.newton {
+        settings.newton = builder.check(newton, |table| {
+            let default = Newton::default();
+            Newton::new(
+                table.iterations.unwrap_or(default.iterations()),
+                table.epsilon.unwrap_or(default.epsilon()),
+            )
+        })?;
+    }
+    Ok(settings)
+}
+
+fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {
     let lens = match (table.fov_y_degrees, table.orthographic_height) {
         (fov, None) => Lens::Perspective {
             fov_y_radians: fov.unwrap_or(45.0).to_radians(),

@@ -1,0 +1,309 @@
+//! The program as a person runs it: what it writes, what it says, and what it leaves alone.
+#![cfg(feature = "cli")]
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const SCENE: &str = "surface = [{ control_points = \"default\" }]";
+
+struct Folder(TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.path(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    /// Runs the program in this folder.
+    fn run(&self, arguments: &[&str]) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_freeform"))
+            .args(arguments)
+            .current_dir(self.0.path())
+            .env_remove("RUST_LOG")
+            .output()
+            .unwrap()
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn size(path: &Path) -> (u32, u32) {
+    image::image_dimensions(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn resource(name: &str) -> String {
+    format!("{}/resources/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn alone_it_renders_the_default_scene_and_says_what_comes_next() {
+    let folder = Folder::new();
+    let output = folder.run(&[]);
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{output:?}");
+    assert!(said.contains("wrote freeform.png") && said.contains("freeform render"), "{said}");
+    assert_eq!(size(&folder.path("freeform.png")), (1000, 600));
+}
+
+#[test]
+fn a_folder_gets_a_picture_for_each_scene() {
+    let folder = Folder::new();
+    let scenes = [resource("scenes/thesis/fig15.toml"), resource("surfaces/teapot.bpt")];
+    let output = folder.run(&["render", &scenes[0], &scenes[1], "-o", "out/", "--resolution", "80x60"]);
+    assert!(output.status.success(), "{output:?}");
+    for name in ["out/fig15.png", "out/teapot.png"] {
+        assert_eq!(size(&folder.path(name)), (80, 60));
+        assert!(text(&output.stdout).contains(name));
+    }
+}
+
+#[test]
+fn standard_output_gets_the_picture_and_nothing_else() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let output = folder.run(&["render", "a.toml", "-o", "-", "--resolution", "32x24"]);
+    let picture = image::load_from_memory(&output.stdout).unwrap();
+    assert_eq!((picture.width(), picture.height()), (32, 24));
+    assert!(output.stderr.is_empty());
+}
+
+#[test]
+fn a_transparent_background_stays_transparent() {
+    let folder = Folder::new();
+    folder.write("a.toml", format!("render = {{ background = [0, 0, 0, 0] }}\n{SCENE}"));
+    assert!(folder.run(&["render", "a.toml", "--resolution", "40x30"]).status.success());
+    let picture = image::open(folder.path("a.png")).unwrap().into_rgba8();
+    assert_eq!(picture.get_pixel(0, 0).0[3], 0);
+    assert_eq!(picture.get_pixel(20, 15).0[3], 255);
+}
+
+#[test]
+fn flags_win_over_the_scene() {
+    let folder = Folder::new();
+    folder.write("a.toml", format!("render = {{ level = 32 }}\n{SCENE}"));
+    let picture = |flags: &[&str]| {
+        let arguments = [&["render", "a.toml", "-o", "a.png", "--resolution", "120x90"], flags].concat();
+        let output = folder.run(&arguments);
+        assert!(output.status.success(), "{output:?}");
+        image::open(folder.path("a.png")).unwrap().into_rgba8()
+    };
+    let drawn = |image: &image::RgbaImage| {
+        let background = *image.get_pixel(0, 0);
+        image.pixels().filter(|pixel| **pixel != background).count()
+    };
+    let filled = picture(&[]);
+    let coarse = picture(&["--wireframe", "--level", "2"]);
+    let fine = picture(&["--wireframe", "--level", "8"]);
+    assert!(drawn(&coarse) < drawn(&fine) && drawn(&fine) < drawn(&filled));
+    let points = picture(&["--control-points"]);
+    let blue = image::Rgba([0, 128, 255, 255]);
+    assert!(points.pixels().filter(|pixel| **pixel == blue).count() >= 16 * 40);
+    for backend in ["egl", "osmesa"] {
+        if std::env::var("FREEFORM_TEST_BACKENDS").is_ok_and(|names| !names.contains(backend)) {
+            continue;
+        }
+        assert_eq!(drawn(&picture(&["--backend", backend])), drawn(&filled));
+    }
+}
+
+#[test]
+fn verbose_tells_the_parts_of_the_time() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let output = folder.run(&["render", "a.toml", "--verbose", "--resolution", "32x24", "--level", "4"]);
+    let said = text(&output.stderr);
+    for part in ["driver start-up", "shader compilation", "the program's own part", "triangles 32"] {
+        assert!(said.contains(part), "{said}");
+    }
+}
+
+#[test]
+fn info_names_backend_driver_and_limits() {
+    let folder = Folder::new();
+    let output = folder.run(&["info"]);
+    let said = text(&output.stdout);
+    assert!(output.status.success());
+    for word in ["backend", "renderer", "version", "patch vertices", "tessellation level", "storage"] {
+        assert!(said.contains(word), "{said}");
+    }
+}
+
+/// Runs a render that must fail with one line, and looks that an older picture is still there.
+fn refused(folder: &Folder, arguments: &[&str], status: i32, words: &[&str]) {
+    let old = folder.write("old.png", b"an older picture");
+    let arguments = [&["render", "-o", "old.png"], arguments].concat();
+    let output = folder.run(&arguments);
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(status), "{arguments:?}: {said}");
+    assert!(words.iter().all(|word| said.contains(word)), "{arguments:?}: {said}");
+    if status == 1 {
+        assert_eq!(said.trim_end().lines().count(), 1, "{arguments:?}: {said}");
+        assert!(said.starts_with("freeform: "), "{said}");
+    }
+    assert!(!said.contains("panicked"), "{said}");
+    assert_eq!(std::fs::read(old).unwrap(), b"an older picture");
+    let parts = std::fs::read_dir(folder.0.path())
+        .unwrap()
+        .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".part"));
+    assert_eq!(parts.count(), 0);
+}
+
+#[test]
+fn files_that_are_no_scenes_are_refused() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.path("folder.toml")).unwrap();
+    folder.write("empty.toml", "");
+    folder.write("blank.bpt", " \n\t\n");
+    folder.write("binary.toml", [0x89, b'P', b'N', b'G', 0, 255, 254]);
+    folder.write("binary.bpt", [0u8, 1, 2, 3, 27, 7, 9]);
+    folder.write("scene.obj", "v 0 0 0");
+    folder.write("huge.bpt", "1073741824\n3 3\n1 2 3\n");
+    let teapot = std::fs::read_to_string(resource("surfaces/teapot.bpt")).unwrap();
+    folder.write("cut.bpt", &teapot[..teapot.len() / 2]);
+    for (file, words) in [
+        ("none.toml", &["none.toml", "No such file"][..]),
+        ("folder.toml", &["folder.toml", "folder, expected a file"]),
+        ("empty.toml", &["empty.toml", "empty"]),
+        ("blank.bpt", &["blank.bpt", "empty"]),
+        ("binary.toml", &["binary.toml", "not text"]),
+        ("binary.bpt", &["binary.bpt:1:", "no number"]),
+        ("scene.obj", &["scene.obj", ".toml or .bpt"]),
+        ("huge.bpt", &["huge.bpt:3:", "ends after 3 of its 48"]),
+        ("cut.bpt", &["cut.bpt:", "ends after"]),
+    ] {
+        refused(&folder, &[file], 1, words);
+    }
+}
+
+#[test]
+fn scenes_with_mistakes_are_refused_with_their_line() {
+    let folder = Folder::new();
+    let points = |count: usize| vec!["[0, 0, 0]"; count].join(", ");
+    folder.write("words.png", "these are words");
+    image::GrayImage::new(40_000, 1).save(folder.path("wide.png")).unwrap();
+    let surface = |rest: &str| format!("[[surface]]\n{rest}\n");
+    for (toml, words) in [
+        ("surface = 3".into(), &[":1:", "invalid type"][..]),
+        ("[render]\nlevel = \"high\"".into(), &[":2:", "expected i64"]),
+        ("[render]\nlevel = 0".into(), &[":2:", "level is 0", "1 to 64"]),
+        ("[render]\nlevel = 65".into(), &[":2:", "level is 65"]),
+        ("[render]\nlevel = -1".into(), &[":2:", "level is -1"]),
+        ("[render]\nlevel = nan".into(), &[":2:", "expected i64"]),
+        ("[render]\nlevle = 3".into(), &[":2:", "unknown field `levle`", "level"]),
+        ("[render]\nbackground = [0, 0, 2, 1]".into(), &[":2:", "background", "0 to 1"]),
+        ("[render]\nnewton = { iterations = 0 }".into(), &[":2:", "iterations is 0", "1 to 1000"]),
+        ("[render]\nmethod = \"magic\"".into(), &[":2:", "magic", "thesis"]),
+        ("[render\n".into(), &[":1:"]),
+        ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]".into(), &[":1:", "camera eye"]),
+        (surface("control_points = \"defualt\""), &[":2:", "default"]),
+        (surface(&format!("control_points = [{}]", points(15))), &[":2:", "is 15", "16 (4×4)"]),
+        (surface(&format!("control_points = [{}]", points(26))), &[":2:", "is 26", "25 (5×5)"]),
+        (
+            surface(&format!("control_points = [{}, [0, nan, 0]]", points(15))),
+            &[":2:", "control point 15", "NaN"],
+        ),
+        (
+            surface(&format!("control_points = [{}, [0, 0, 0, 0]]", points(15))),
+            &[":2:", "weight of control point 15", "above 0"],
+        ),
+        (surface("control_points = [[1, 2]]"), &[":2:", "[x, y, z]"]),
+        (surface("color = [1, 1, 1]"), &[":1:", "either control_points or file"]),
+        (surface("file = \"none.bpt\""), &[":2:", "none.bpt", "No such file"]),
+        (surface("control_points = \"default\"\nscale = 0"), &[":1:", "scale is 0"]),
+        (surface("control_points = \"default\"\ntexture = \"none.png\""), &[":3:", "none.png"]),
+        (
+            surface("control_points = \"default\"\ntexture = \"words.png\""),
+            &[":3:", "words.png", "no PNG, JPEG or BMP"],
+        ),
+        (
+            surface("control_points = \"default\"\ntexture = \"wide.png\""),
+            &[":3:", "wide.png", "40000 × 1", "16384"],
+        ),
+        (
+            surface("control_points = \"default\"\n[[surface.trim]]\ncircle = { center = [0, 0], radius = -1 }"),
+            &[":3:", "circle radius is -1"],
+        ),
+        (
+            surface("control_points = \"default\"\n[[surface.trim]]\nsquare = { size = 1 }"),
+            &["square", "circle"],
+        ),
+        (
+            surface("control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0.5]]]"),
+            &["gap", "segment 1", "closed"],
+        ),
+        (
+            surface("control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0]]]"),
+            &["line, line", "two quadratics or two cubics"],
+        ),
+        ("surface = []".into(), &[":1:", "at least one [[surface]]"]),
+    ] {
+        // A scene needs a surface; it stands last, so that lines count from the fault.
+        let toml: String = toml;
+        let whole = if toml.contains("surface") { toml } else { format!("{toml}\n{}", surface("control_points = \"default\"")) };
+        folder.write("scene.toml", whole);
+        let words: Vec<&str> = [&["scene.toml"], words].concat();
+        refused(&folder, &["scene.toml"], 1, &words);
+    }
+}
+
+#[test]
+fn wrong_usage_is_status_2_and_says_what_was_expected() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    for level in ["0", "-1", "NaN", "65", "1e9", "", "4.5"] {
+        refused(&folder, &["a.toml", "--level", level], 2, &["--level", "1 to 64"]);
+    }
+    for resolution in ["0", "0x5", "5x0", "-5x5", "5", "axb", "5x5x5", "99999999999x2"] {
+        let flag = format!("--resolution={resolution}");
+        refused(&folder, &["a.toml", &flag], 2, &["--resolution", "WIDTHxHEIGHT"]);
+    }
+    refused(&folder, &["a.toml", "--backend", "vulkan"], 2, &["auto, egl or osmesa"]);
+    refused(&folder, &[], 2, &["SCENE"]);
+    refused(&folder, &["a.toml", "--colour"], 2, &["--colour"]);
+}
+
+#[test]
+fn what_the_driver_or_the_disk_refuses_is_one_line() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    folder.write("file", "no folder");
+    refused(&folder, &["a.toml", "--resolution", "100000x10"], 1, &["100000x10", "this driver"]);
+    for (output, words) in [
+        ("file/x.png", &["file/x.png"][..]),
+        ("none/x.png", &["none/x.png", "No such file"]),
+        ("x.jpg", &["x.jpg", ".png"]),
+        ("file/", &["file/"]),
+    ] {
+        let run = folder.run(&["render", "a.toml", "-o", output]);
+        let said = text(&run.stderr);
+        assert_eq!(run.status.code(), Some(1), "{said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{said}");
+        assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    }
+}
+
+#[test]
+fn one_bad_scene_does_not_stop_the_others() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    folder.write("bad.toml", "surface = []");
+    folder.write("c.toml", SCENE);
+    let output = folder.run(&["render", "a.toml", "bad.toml", "c.toml", "-o", "out", "--resolution", "8x8"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("bad.toml:1:"));
+    assert!(folder.path("out/a.png").exists() && folder.path("out/c.png").exists());
+    assert!(!folder.path("out/bad.png").exists());
+}

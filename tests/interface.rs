@@ -1,0 +1,194 @@
+//! The linked programs have the names and places of the listings.
+#![allow(unsafe_code, reason = "one question to a program is asked of OpenGL itself")]
+
+mod common;
+
+use freeform_surface::renderer::programs::{
+    Pipeline, ProgramKey, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location,
+};
+use freeform_surface::gpu::Program;
+use freeform_surface::{Degree, Error, Headless, Shading};
+use glow::HasContext as _;
+
+use common::{Checked, backends};
+
+/// The binding point of a storage block, asked of the linked program. (glow 0.17 asks for the length
+/// of the answer first, which Mesa says is 0.)
+fn storage_binding(context: &Headless, program: &Program, block: &str) -> Option<i32> {
+    type GetProgramResourceiv = unsafe extern "C" fn(
+        program: u32,
+        interface: u32,
+        index: u32,
+        property_count: i32,
+        properties: *const u32,
+        size: i32,
+        length: *mut i32,
+        values: *mut i32,
+    );
+    let address = context.proc_address(c"glGetProgramResourceiv");
+    assert!(!address.is_null());
+    let mut value = [-1];
+    // SAFETY: the function exists since OpenGL 4.3 with this signature; it writes one number.
+    unsafe {
+        let query: GetProgramResourceiv = std::mem::transmute(address);
+        let index = context.gl().get_shader_storage_block_index(program.raw(), block)?;
+        let properties = [glow::BUFFER_BINDING];
+        query(
+            program.raw().0.get(),
+            glow::SHADER_STORAGE_BLOCK,
+            index,
+            1,
+            properties.as_ptr(),
+            1,
+            std::ptr::null_mut(),
+            value.as_mut_ptr(),
+        );
+    }
+    Some(value[0])
+}
+
+#[test]
+fn the_thesis_program_has_every_name_of_the_listings() {
+    for backend in backends() {
+        let context = Checked::new(backend);
+        for degree in [Degree::Cubic, Degree::Quartic] {
+            let key = ProgramKey {
+                pipeline: Pipeline::Thesis(degree),
+                shading: Shading::Phong,
+                trims: TrimFeatures::ALL,
+            };
+            let program = Sources::default().link(context.gl(), key).unwrap();
+            for (name, place) in [
+                ("tessLevel", location::TESS_LEVEL),
+                ("modelMatrix", location::MODEL),
+                ("viewMatrix", location::VIEW),
+                ("projectionMatrix", location::PROJECTION),
+                ("trimValuesx", location::TRIM_VALUES_X),
+                ("trimValuesy", location::TRIM_VALUES_Y),
+                ("trimRadius", location::TRIM_RADIUS),
+                ("trimCenter", location::TRIM_CENTER),
+                ("trimRadius1", location::TRIM_RADIUS_1),
+                ("trimRadius2", location::TRIM_RADIUS_2),
+                ("trimEllipseCenter", location::TRIM_ELLIPSE_CENTER),
+                ("circBool", location::CIRC_BOOL),
+                ("intervalBool", location::INTERVAL_BOOL),
+                ("ellipseBool", location::ELLIPSE_BOOL),
+                ("bezierBool", location::BEZIER_BOOL),
+                ("bezierBool2", location::BEZIER_BOOL_2),
+                ("cubicBezierBool", location::CUBIC_BEZIER_BOOL),
+                ("cubicBezierBool2", location::CUBIC_BEZIER_BOOL_2),
+                ("newtonIterations", location::NEWTON_ITERATIONS),
+                ("newtonEpsilon", location::NEWTON_EPSILON),
+            ] {
+                assert_eq!(program.uniform_location(name), Some(place), "{name}");
+            }
+            assert_eq!(program.uniform_i32("colortexture"), Some(0));
+            let binding = |block| storage_binding(&context, &program, block);
+            assert_eq!(binding("trimPointsSsbo"), Some(1));
+            assert_eq!(TRIM_POINTS_BINDING, 1);
+            assert_eq!(binding("trimShapesSsbo"), Some(TRIM_SHAPES_BINDING as i32));
+        }
+    }
+}
+
+#[test]
+fn the_report_program_has_the_names_of_the_report() {
+    for backend in backends() {
+        let context = Checked::new(backend);
+        let key = ProgramKey {
+            pipeline: Pipeline::Report,
+            shading: Shading::Unlit,
+            trims: TrimFeatures::default(),
+        };
+        let program = Sources::default().link(context.gl(), key).unwrap();
+        for (name, place) in [
+            ("tessLevel", location::TESS_LEVEL),
+            ("model", location::MODEL),
+            ("view", location::VIEW),
+            ("projection", location::PROJECTION),
+            ("wireframe", location::WIREFRAME),
+            ("showControlPoints", location::SHOW_CONTROL_POINTS),
+        ] {
+            assert_eq!(program.uniform_location(name), Some(place), "{name}");
+        }
+        assert_eq!(program.uniform_i32("textureSurface"), Some(0));
+    }
+}
+
+#[test]
+fn without_trims_no_trim_code_is_compiled_in() {
+    let context = Checked::new(backends()[0]);
+    let link = |trims| {
+        let key = ProgramKey {
+            pipeline: Pipeline::Thesis(Degree::Cubic),
+            shading: Shading::Phong,
+            trims,
+        };
+        Sources::default().link(context.gl(), key).unwrap()
+    };
+    let program = link(TrimFeatures::default());
+    for name in ["circBool", "intervalBool", "ellipseBool", "bezierBool", "newtonEpsilon"] {
+        assert_eq!(program.uniform_location(name), None, "{name}");
+    }
+    assert_eq!(storage_binding(&context, &program, "trimPointsSsbo"), None);
+    let circles = link(TrimFeatures {
+        circles: true,
+        ..TrimFeatures::default()
+    });
+    assert!(circles.uniform_location("circBool").is_some());
+    assert_eq!(circles.uniform_location("intervalBool"), None);
+}
+
+/// Every kind of trim compiles alone, so that no part relies on another.
+#[test]
+fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
+    let context = Checked::new(backends()[0]);
+    let none = TrimFeatures::default();
+    for trims in [
+        TrimFeatures { circles: true, ..none },
+        TrimFeatures { intervals: true, ..none },
+        TrimFeatures { ellipses: true, ..none },
+        TrimFeatures { ellipses: true, more_shapes: true, ..none },
+        TrimFeatures { quadratics: true, ..none },
+        TrimFeatures { nested_quadratics: true, ..none },
+        TrimFeatures { cubics: true, ..none },
+        TrimFeatures { nested_cubics: true, ..none },
+        TrimFeatures::ALL,
+    ] {
+        for (pipeline, shading) in [
+            (Pipeline::Thesis(Degree::Cubic), Shading::Phong),
+            (Pipeline::Thesis(Degree::Quartic), Shading::Normals),
+            (Pipeline::Thesis(Degree::Cubic), Shading::Unlit),
+            (Pipeline::Report, Shading::Unlit),
+        ] {
+            let key = ProgramKey { pipeline, shading, trims };
+            Sources::default().link(context.gl(), key).unwrap_or_else(|e| panic!("{key:?}: {e}"));
+        }
+    }
+}
+
+#[test]
+fn a_broken_shader_is_reported_with_stage_file_and_line() {
+    let context = Checked::new(backends()[0]);
+    let key = ProgramKey {
+        pipeline: Pipeline::Thesis(Degree::Cubic),
+        shading: Shading::Phong,
+        trims: TrimFeatures::ALL,
+    };
+    let sources = Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");
+    let Err(Error::Shader { what, log }) = sources.link(context.gl(), key) else {
+        panic!("the shader is broken")
+    };
+    assert!(what.contains("fragment stage") && what.contains("thesis/trim.glsl"), "{what}");
+    let text = include_str!("../glsl/thesis/trim.glsl");
+    let line = 1 + text.lines().position(|line| line.contains("int p = 0;")).unwrap();
+    assert!(log.contains(&format!("thesis/trim.glsl:{line}")), "{log}");
+    assert!(log.contains("nothing"), "{log}");
+    // The driver reports a failed compilation through the debug callback as well.
+    assert!(!context.debug_log().take_errors().is_empty() || log.contains("error"));
+
+    let unlinked = Sources::default().with_edit("thesis/surface.frag", "in vec3 passNormal", "in vec4 passNormal");
+    let error = unlinked.link(context.gl(), ProgramKey { trims: TrimFeatures::default(), ..key });
+    assert!(error.is_err());
+    let _ = context.debug_log().take_errors();
+}

@@ -1,0 +1,86 @@
+//! Surfaces come and go without leaving anything behind. One test alone in its process, because it
+//! looks at the memory of the whole process.
+#![cfg(target_os = "linux")]
+#![allow(unsafe_code, reason = "the driver is asked which objects exist")]
+
+mod common;
+
+use std::num::NonZeroU32;
+use std::sync::Arc;
+
+use freeform_surface::gpu::{self, Framebuffer, Texture};
+use freeform_surface::{Frame, FreeFormSurface, Image, Renderer, Scene, TessLevel};
+use glam::dvec2;
+use glow::HasContext as _;
+
+use common::{Checked, backends};
+
+/// Resident memory of the process in bytes.
+fn resident() -> u64 {
+    let statm = std::fs::read_to_string("/proc/self/statm").unwrap();
+    let pages: u64 = statm.split_whitespace().nth(1).unwrap().parse().unwrap();
+    pages * 4096
+}
+
+/// Buffers, textures, programs and shaders that exist, by their numbers.
+fn objects(gl: &glow::Context) -> Vec<(char, u32)> {
+    // SAFETY: the context is current; asking about any number is allowed.
+    let exists = |kind: char, number: NonZeroU32| unsafe {
+        match kind {
+            'b' => gl.is_buffer(glow::NativeBuffer(number)),
+            't' => gl.is_texture(glow::NativeTexture(number)),
+            'p' => gl.is_program(glow::NativeProgram(number)),
+            _ => gl.is_shader(glow::NativeShader(number)),
+        }
+    };
+    "btps"
+        .chars()
+        .flat_map(|kind| (1..50_000).map(move |number| (kind, number)))
+        .filter(|(kind, number)| exists(*kind, NonZeroU32::new(*number).unwrap()))
+        .collect()
+}
+
+#[test]
+fn ten_thousand_surfaces_leave_nothing_behind() {
+    for backend in backends() {
+        let context = Checked::new(backend);
+        let gl = context.gl();
+        let target = Framebuffer::new(gl, 16, 16).unwrap();
+        let mut renderer = Renderer::new(gl).unwrap();
+        let scene = Scene::listing16();
+        let mut settings = scene.settings;
+        settings.level = TessLevel::new(2).unwrap();
+        let frame = Frame { projection: scene.projection(16, 16), settings };
+        target.bind();
+        let mut round = || {
+            let mut surface = FreeFormSurface::new(&renderer).unwrap();
+            let image = Image::from_pixel(4, 4, image::Rgba([200, 100, 50, 255]));
+            surface.set_texture(Arc::new(Texture::new(gl, "round", &image).unwrap()));
+            for center in [dvec2(0.3, 0.3), dvec2(0.7, 0.7)] {
+                surface.circular_trimming(0.1, center).unwrap();
+                surface.add_circle(surface.trims().circles[0]);
+            }
+            let [a, b, c, d] = [(0.2, 0.5), (0.5, 0.9), (0.8, 0.5), (0.5, 0.1)]
+                .map(|(u, v)| dvec2(u, v));
+            surface.set_bezier_curve_trimming(a, b, c, d).unwrap();
+            surface.render(&mut renderer, &frame).unwrap();
+            // A software driver collects commands, and memory with them, until someone waits.
+            gpu::finish(gl);
+        };
+        round();
+        let objects_before = objects(gl);
+        for _ in 0..100 {
+            round();
+        }
+        let before = resident();
+        for _ in 0..10_000 {
+            round();
+        }
+        let after = resident();
+        assert_eq!(objects(gl), objects_before);
+        assert!(
+            after <= before + before / 20,
+            "{backend}: resident memory grew from {before} to {after} bytes"
+        );
+    }
+}

@@ -1,0 +1,204 @@
+//! Whatever stands in a file, the parsers answer, and within bounds of memory.
+#![allow(unsafe_code, reason = "an allocator that counts")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use freeform_surface::{Degree, Scene};
+use proptest::prelude::*;
+
+static NOW: AtomicUsize = AtomicUsize::new(0);
+static MOST: AtomicUsize = AtomicUsize::new(0);
+/// The counters are the process's, so measurements take turns.
+static TURN: Mutex<()> = Mutex::new(());
+
+struct Counting;
+
+// SAFETY: every call goes to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
+        MOST.fetch_max(now, Ordering::Relaxed);
+        // SAFETY: as the caller promised.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        NOW.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: as the caller promised.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Bytes that `work` held at most, beyond what was there before.
+fn most_memory(work: impl FnOnce()) -> usize {
+    let before = NOW.load(Ordering::Relaxed);
+    MOST.store(before, Ordering::Relaxed);
+    work();
+    MOST.load(Ordering::Relaxed) - before
+}
+
+fn parse(text: &str) {
+    for scene in [
+        Scene::from_toml(text, Path::new("x.toml")),
+        Scene::from_bpt(text, Path::new("x.bpt")),
+    ] {
+        match scene {
+            Ok(scene) => assert!(!scene.surfaces.is_empty()),
+            Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
+        }
+    }
+}
+
+const SCENE: &str = r#"
+[camera]
+eye = [0.45, 1.05, 1.15]
+target = [0.0, 0.1, 0.0]
+fov_y_degrees = 40.0
+[render]
+method = "thesis"
+level = 32
+newton = { iterations = 10, epsilon = 0.001 }
+background = [0.2, 0.3, 0.3, 1.0]
+[[surface]]
+control_points = "default"
+translate = [1.0, 2.0, 3.0]
+rotate_degrees = [0.0, 90.0, 0.0]
+color = [0.75, 0.75, 0.8]
+[[surface.trim]]
+circle = { center = [0.5, 0.5], radius = 0.2 }
+[[surface.trim]]
+interval = { u = [0.1, 0.2], v = [0.1, 0.2] }
+[[surface.trim]]
+ellipse = { center = [0.5, 0.5], radii = [0.2, 0.1] }
+[[surface.trim]]
+loop = [[[0.2, 0.5], [0.5, 0.9], [0.8, 0.5]], [[0.8, 0.5], [0.5, 0.1], [0.2, 0.5]]]
+"#;
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_gets_an_answer(text in "\\PC{0,300}") {
+        let _turn = TURN.lock();
+        parse(&text);
+    }
+
+    #[test]
+    fn any_numbers_get_an_answer(
+        values in prop::collection::vec(
+            prop_oneof![
+                Just("3".to_owned()), Just("4".to_owned()), Just("5".to_owned()), Just("nan".to_owned()),
+                any::<f64>().prop_map(|v| v.to_string()), any::<u64>().prop_map(|v| v.to_string()),
+            ],
+            0..120,
+        )
+    ) {
+        let _turn = TURN.lock();
+        parse(&values.join(" "));
+    }
+
+    #[test]
+    fn a_scene_with_a_piece_replaced_gets_an_answer(
+        start in 0..SCENE.len(), length in 0usize..30, piece in "[-+.0-9a-z\\[\\]{}=\", \n#]{0,12}"
+    ) {
+        let _turn = TURN.lock();
+        let end = (start + length).min(SCENE.len());
+        parse(&format!("{}{piece}{}", &SCENE[..start], &SCENE[end..]));
+    }
+
+    #[test]
+    fn patches_are_read_back_as_written(
+        degrees in prop::collection::vec(prop::bool::ANY, 1..6), counts in prop::bool::ANY,
+        seed in any::<u32>(),
+    ) {
+        let _turn = TURN.lock();
+        let value = |i: usize| f64::from(seed.wrapping_mul(i as u32 + 1) % 1000) / 8.0;
+        let mut text = format!("{}\n", degrees.len());
+        let mut sides = Vec::new();
+        for quartic in &degrees {
+            let side: usize = if *quartic { 5 } else { 4 };
+            let header = if counts { side } else { side - 1 };
+            text += &format!("{header} {header}\n");
+            for i in 0..side * side {
+                text += &format!("{} {} {}\n", value(i), -value(i + 1), value(i + 2));
+            }
+            sides.push(side);
+        }
+        let scene = Scene::from_bpt(&text, Path::new("x.bpt")).unwrap();
+        let patches: Vec<_> = scene.surfaces.iter().flat_map(|surface| surface.patches()).collect();
+        prop_assert_eq!(patches.len(), degrees.len());
+        for (patch, side) in patches.iter().zip(sides) {
+            prop_assert_eq!(patch.degree().side(), side);
+            for (i, point) in patch.points().iter().enumerate() {
+                prop_assert_eq!(point.to_array(), [value(i), -value(i + 1), value(i + 2), 1.0]);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_file_of_one_mib_never_takes_more_than_64() {
+    const MIB: usize = 1 << 20;
+    let _turn = TURN.lock();
+    let filled = |piece: &str| piece.repeat(MIB / piece.len());
+    let mut patch = String::from("3 3 ");
+    patch += &"0 ".repeat(48);
+    let count = MIB / patch.len();
+    // Surfaces of about this text each, as many as fill the file.
+    let in_surfaces = |piece: &str| {
+        let surface = format!("[[surface]]\n{}", piece.repeat((200_000 / piece.len()).max(1)));
+        surface.repeat((MIB / surface.len()).max(1))
+    };
+    let numbered = |before: &str, after: &str| -> String {
+        (0..20_000).map(|i| format!("{before}{i:05}{after}")).collect()
+    };
+    let mut most = 0;
+    for (name, text) in [
+        ("numbers", filled("1 ")),
+        ("many patches", format!("{count}\n{}", patch.repeat(count))),
+        ("a large count", format!("1073741824 {}", filled("3 "))),
+        ("brackets", filled("[")),
+        ("an array", format!("surface = [{}]", filled("1,"))),
+        ("tables in an array", format!("surface = [{}]", filled("{},"))),
+        ("empty surfaces", filled("[[surface]]\n")),
+        ("surfaces", filled("[[surface]]\ncontrol_points=\"default\"\n")),
+        ("inline surfaces", format!("surface=[{}]", filled("{control_points=\"default\"},"))),
+        ("trims", in_surfaces("[[surface.trim]]\ncircle={center=[0,0],radius=1}\n")),
+        ("trims in arrays", in_surfaces("trim=[{loop=[[[0,0],[0,0]],[[0,0],[0,0]]]}]\n")),
+        ("inline trims", in_surfaces(&format!("trim=[{}]\n", "{circle={center=[0,0],radius=1}},".repeat(6_000)))),
+        ("points", in_surfaces(&format!("control_points=[{}]\n", "[0,0,0],".repeat(28_000)))),
+        ("flat points", in_surfaces(&format!("control_points=[{}]\n", "0,".repeat(110_000)))),
+        ("tables", in_surfaces("[a]\n")),
+        ("tables in a surface", in_surfaces("a={}\n")),
+        ("keys in a surface", in_surfaces(&numbered("k", "=1\n"))),
+        ("tables by dots", in_surfaces(&numbered("k", ".a=1\n"))),
+        ("dots in a surface", in_surfaces(&format!("{}=1\n", "a.".repeat(100_000)))),
+        ("inline tables", in_surfaces(&format!("trim=[{}]\n", "{a={}},".repeat(30_000)))),
+        ("keys", (0..MIB / 10).map(|i| format!("k{i:06}=1\n")).collect()),
+        ("dots", format!("{}=1", filled("a."))),
+        ("a string", format!("surface = \"{}\"", filled("x"))),
+        ("comments", filled("#\n")),
+    ] {
+        assert!((MIB / 2..=MIB + 4096).contains(&text.len()), "{name} has {} bytes", text.len());
+        let toml = most_memory(|| drop(Scene::from_toml(&text, Path::new("x.toml"))));
+        let bpt = most_memory(|| drop(Scene::from_bpt(&text, Path::new("x.bpt"))));
+        println!("{name}: {} MiB as .toml, {} MiB as .bpt", toml / MIB, bpt / MIB);
+        most = most.max(toml).max(bpt);
+    }
+    assert!(most <= 64 * MIB, "{most} bytes");
+}
+
+#[test]
+fn the_teapot_has_32_bicubic_patches() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/surfaces/teapot.bpt");
+    let scene = Scene::load(&path).unwrap();
+    assert_eq!(scene.surfaces.len(), 1);
+    assert_eq!(scene.surfaces[0].degree(), Degree::Cubic);
+    assert_eq!(scene.surfaces[0].patches().len(), 32);
+}
