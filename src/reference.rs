@@ -16,7 +16,8 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 use crate::bezier::{Patch, homogeneous};
 use crate::camera::Projection;
 use crate::renderer::CONTROL_POINT_PX;
-use crate::{Image, Newton, NewtonTrims, Result, Scene, Surface, Trims};
+use crate::tessellation::Parts;
+use crate::{Image, Newton, NewtonTrims, Result, Scene, Surface, TessLevel, Trims};
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
@@ -90,7 +91,7 @@ pub fn render(scene: &Scene, size: UVec2, arithmetic: Arithmetic) -> Result<Pict
         for (patch_number, patch) in surface.patches().enumerate() {
             let level = settings.level.get() as usize;
             let vertices = view.vertices(&patch, level);
-            for triangle in triangles(level) {
+            for triangle in triangles(settings.level) {
                 let corners = triangle.map(|corner| vertices[corner]);
                 let mut shade = |sample: &Sample| {
                     let vertex = &sample.vertex;
@@ -249,13 +250,16 @@ impl<'a> SurfaceView<'a> {
 }
 
 /// The triangles of a square domain at a level, as indices into rows of `level + 1` vertices.
-fn triangles(level: usize) -> impl Iterator<Item = [usize; 3]> {
+fn triangles(level: TessLevel) -> impl Iterator<Item = [usize; 3]> {
+    // A part of a patch has its own diagonals.
+    let part = Parts::of(level).level as usize;
+    let level = level.get() as usize;
     let index = move |u: usize, v: usize| v * (level + 1) + u;
     (0..level * level).flat_map(move |cell| {
         let (u, v) = (cell % level, cell / level);
         let [a, b] = [index(u, v), index(u + 1, v)];
         let [c, d] = [index(u, v + 1), index(u + 1, v + 1)];
-        if rises(u, v, level) {
+        if rises(u % part, v % part, part) {
             [[a, b, d], [a, d, c]]
         } else {
             [[a, b, c], [b, d, c]]
@@ -337,11 +341,11 @@ mod tests {
 
     #[test]
     fn triangles_cover_every_cell_once_without_turning() {
-        for level in 1..=9 {
+        for level in (1..=9).chain([63, 64]) {
             let corner = |i: usize| {
                 DVec2::new((i % (level + 1)) as f64, (i / (level + 1)) as f64)
             };
-            let areas: Vec<f64> = triangles(level)
+            let areas: Vec<f64> = triangles(TessLevel::new(level as i64).unwrap())
                 .map(|[a, b, c]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)))
                 .collect();
             assert_eq!(areas.len(), 2 * level * level);

@@ -15,8 +15,8 @@ use programs::{Pipeline, ProgramKey, Sources, TrimFeatures, location};
 
 use crate::camera::Projection;
 use crate::gpu::{Buffer, Program, VertexArray, check_version};
-use crate::tessellation::patches_per_draw;
-use crate::{FreeFormSurface, RenderSettings, Result, Shading};
+use crate::tessellation::Parts;
+use crate::{Degree, FreeFormSurface, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
 pub const CONTROL_POINT_PX: f32 = 7.0;
@@ -117,37 +117,44 @@ impl Renderer {
         let program = self.program(key)?;
         program.bind();
         set_matrices(program, surface.model_matrix(), &frame.projection);
-        program.set_f32(location::TESS_LEVEL, settings.level.get() as f32);
+        let parts = Parts::of(settings.level);
+        program.set_f32(location::TESS_LEVEL, parts.level as f32);
         if key.pipeline == Pipeline::Report {
             program.set_i32(location::WIREFRAME, i32::from(settings.wireframe));
             program.set_i32(location::SHOW_CONTROL_POINTS, 0);
         }
         surface.set_trims(program, &settings.newton);
         surface.texture().bind(0);
-
-        let degree = surface.degree();
-        let batch = patches_per_draw(settings.level) * degree.points();
+        self.set_state(surface.degree(), settings.wireframe);
+        let batch = parts.patches_per_draw(settings.wireframe) * surface.degree().points();
         let points = surface.control_point_count();
+        let program = &self.programs[&key];
         self.vertex_array.bind(surface.control_point_buffer());
-        // SAFETY: the context is current (see the type); `batch` stays within the buffer, and the
-        // points of a surface fit an i32 since its buffer was made.
+        for domain in parts.domains() {
+            program.set_vec3(location::PART, domain);
+            for first in (0..points).step_by(batch) {
+                let count = batch.min(points - first);
+                // SAFETY: the context is current (see the type); the range lies within the buffer,
+                // whose points fit an i32 since it was made.
+                unsafe { self.gl.draw_arrays(glow::PATCHES, first as i32, count as i32) }
+            }
+        }
+        self.release();
+        Ok(())
+    }
+
+    /// The state that patches are drawn with.
+    fn set_state(&self, degree: Degree, wireframe: bool) {
+        let gl = &self.gl;
+        // SAFETY: the context is current (see the type).
         unsafe {
-            let gl = &self.gl;
             gl.enable(glow::DEPTH_TEST);
             gl.depth_func(glow::LESS);
             gl.disable(glow::CULL_FACE);
             gl.disable(glow::BLEND);
-            let mode = if settings.wireframe { glow::LINE } else { glow::FILL };
-            gl.polygon_mode(glow::FRONT_AND_BACK, mode);
+            gl.polygon_mode(glow::FRONT_AND_BACK, if wireframe { glow::LINE } else { glow::FILL });
             gl.patch_parameter_i32(glow::PATCH_VERTICES, degree.points() as i32);
-            for first in (0..points).step_by(batch) {
-                let count = batch.min(points - first);
-                gl.draw_arrays(glow::PATCHES, first as i32, count as i32);
-            }
-            gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);
         }
-        self.release();
-        Ok(())
     }
 
     /// Draws the control points of a surface as blue squares, on top of what is there.
@@ -185,7 +192,10 @@ impl Renderer {
     fn release(&self) {
         self.vertex_array.unbind();
         // SAFETY: the context is current (see the type).
-        unsafe { self.gl.use_program(None) }
+        unsafe {
+            self.gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);
+            self.gl.use_program(None);
+        }
     }
 }
 

@@ -63,6 +63,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
                 ("modelMatrix", location::MODEL),
                 ("viewMatrix", location::VIEW),
                 ("projectionMatrix", location::PROJECTION),
+                ("part", location::PART),
                 ("trimValuesx", location::TRIM_VALUES_X),
                 ("trimValuesy", location::TRIM_VALUES_Y),
                 ("trimRadius", location::TRIM_RADIUS),
@@ -106,6 +107,7 @@ fn the_report_program_has_the_names_of_the_report() {
             ("model", location::MODEL),
             ("view", location::VIEW),
             ("projection", location::PROJECTION),
+            ("part", location::PART),
             ("wireframe", location::WIREFRAME),
             ("showControlPoints", location::SHOW_CONTROL_POINTS),
         ] {

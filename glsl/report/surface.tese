@@ -14,6 +14,7 @@ out TES_OUT {
 layout(location = 1) uniform mat4 model;
 layout(location = 2) uniform mat4 view;
 layout(location = 3) uniform mat4 projection;
+layout(location = 4) uniform vec3 part; // of the domain: where it begins in u and v, its length
 
 float power(float t, int n)
 {
@@ -43,8 +44,8 @@ vec4 bezierSurface(float u, float v)
 
 void main()
 {
-    float u = gl_TessCoord.x;
-    float v = gl_TessCoord.y;
+    float u = part.x + part.z * gl_TessCoord.x;
+    float v = part.y + part.z * gl_TessCoord.y;
     gl_Position = projection * (view * (model * bezierSurface(u, v)));
     tes_out.texCoord = clamp(vec2(u, v), 0.0, 1.0);
 }

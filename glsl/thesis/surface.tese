@@ -11,6 +11,7 @@ layout(quads, equal_spacing, ccw) in;
 layout(location = 1) uniform mat4 modelMatrix;
 layout(location = 2) uniform mat4 viewMatrix;
 layout(location = 3) uniform mat4 projectionMatrix;
+layout(location = 4) uniform vec3 part; // of the domain: where it begins in u and v, its length
 
 out vec3 passNormal;    // view space, unit length
 out vec2 passTessCoord; // (u, v), for the trims
@@ -62,8 +63,8 @@ void doubleDeCasteljau(float u, float v, out vec4 point, out vec3 tangU, out vec
 // Listing 6, with the matrices that it leaves out.
 void main()
 {
-    float u = gl_TessCoord.x;
-    float v = gl_TessCoord.y;
+    float u = part.x + part.z * gl_TessCoord.x;
+    float v = part.y + part.z * gl_TessCoord.y;
     vec4 point;
     vec3 tangU, tangV;
     doubleDeCasteljau(u, v, point, tangU, tangV);

@@ -2,7 +2,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{Mat4, Vec2};
+use glam::{Mat4, Vec2, Vec3};
 use glow::{HasContext, NativeUniformLocation};
 
 use super::create;
@@ -174,6 +174,15 @@ impl Program {
         let location = NativeUniformLocation(location);
         // SAFETY: as in `set_mat4`.
         unsafe { self.gl.program_uniform_2_f32(self.raw, Some(&location), value.x, value.y) }
+    }
+
+    /// Sets a `vec3`.
+    pub fn set_vec3(&self, location: u32, value: Vec3) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: as in `set_mat4`.
+        unsafe {
+            self.gl.program_uniform_3_f32(self.raw, Some(&location), value.x, value.y, value.z);
+        }
     }
 
     /// Sets a `float`.

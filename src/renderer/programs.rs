@@ -20,6 +20,8 @@ pub mod location {
     pub const VIEW: u32 = 2;
     /// `projectionMatrix`, `projection`.
     pub const PROJECTION: u32 = 3;
+    /// `part`.
+    pub const PART: u32 = 4;
     /// `trimValuesx`.
     pub const TRIM_VALUES_X: u32 = 5;
     /// `trimValuesy`.
