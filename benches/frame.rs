@@ -83,9 +83,7 @@ impl StaticMesh {
             },
         ];
         let program = Program::new(gl, "static mesh", &[("PHONG", 1)], &stages).expect("it links");
-        let Paint::Texture(image) = &surface.paint else {
-            unreachable!("the scene has bricks")
-        };
+        let Paint::Texture(image) = &surface.paint else { unreachable!("the scene has bricks") };
         let texture = Texture::new(gl, "bricks", image).expect("the bricks fit");
         // SAFETY: the context is current; the objects are new, filled and described as they are.
         unsafe {
@@ -100,7 +98,14 @@ impl StaticMesh {
             gl.vertex_array_element_buffer(vertex_array, Some(index_buffer));
             for (attribute, offset) in [(0, 0), (1, 16)] {
                 gl.enable_vertex_array_attrib(vertex_array, attribute);
-                gl.vertex_array_attrib_format_f32(vertex_array, attribute, 4, glow::FLOAT, false, offset);
+                gl.vertex_array_attrib_format_f32(
+                    vertex_array,
+                    attribute,
+                    4,
+                    glow::FLOAT,
+                    false,
+                    offset,
+                );
                 gl.vertex_array_attrib_binding_f32(vertex_array, attribute, 0);
             }
             Self {
@@ -139,7 +144,9 @@ impl Drop for StaticMesh {
         // SAFETY: the context is current; nothing else owns the three objects.
         unsafe {
             self.gl.delete_vertex_array(self.vertex_array);
-            self.buffers.map(|buffer| self.gl.delete_buffer(buffer));
+            for buffer in self.buffers {
+                self.gl.delete_buffer(buffer);
+            }
         }
     }
 }
@@ -164,10 +171,8 @@ fn main() {
             let scene = scene(patches, level, wireframe);
             let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
             let mesh = StaticMesh::new(gl, &scene);
-            let frame = Frame {
-                projection: scene.projection(SIDE, SIDE),
-                settings: scene.settings,
-            };
+            let frame =
+                Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
             target.bind();
             let mut tessellated = || {
                 prepared.draw(&mut renderer, &frame).expect("it draws");
@@ -199,7 +204,10 @@ fn main() {
         }
     }
     criterion.final_summary();
-    println!("\n{:44} {:>12} {:>12} {:>7}", "in turns, medians", "tessellated", "static mesh", "ratio");
+    println!(
+        "\n{:44} {:>12} {:>12} {:>7}",
+        "in turns, medians", "tessellated", "static mesh", "ratio"
+    );
     for (name, ours, floor) in ratios {
         let [ours, floor] = [ours, floor].map(|time| time.as_secs_f64() * 1e3);
         println!("{name:44} {ours:9.2} ms {floor:9.2} ms {:7.2}", ours / floor);

@@ -44,7 +44,8 @@ fn color(x: f64, y: f64) -> [f64; 3] {
     let clay = smoothstep(JOINT, JOINT + SOFT, across.min(lengthwise));
 
     let tint = hash(brick as i64, course as i64);
-    let grain = 0.85 + 0.3 * (0.6 * noise(x * 32.0, y * 32.0, 32) + 0.4 * noise(x * 64.0, y * 64.0, 64));
+    let grain =
+        0.85 + 0.3 * (0.6 * noise(x * 32.0, y * 32.0, 32) + 0.4 * noise(x * 64.0, y * 64.0, 64));
     let red = [0.55 + 0.2 * tint, 0.24 + 0.12 * tint, 0.17 + 0.08 * tint];
     let mortar = [0.68, 0.63, 0.57];
     std::array::from_fn(|i| (mortar[i] * (1.0 - clay) + red[i] * clay) * grain)
@@ -53,7 +54,8 @@ fn color(x: f64, y: f64) -> [f64; 3] {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let picture = RgbImage::from_fn(SIZE, SIZE, |x, y| {
         let place = |i: u32| (f64::from(i) + 0.5) / f64::from(SIZE);
-        Rgb(color(place(x), place(y)).map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8))
+        Rgb(color(place(x), place(y))
+            .map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8))
     });
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/textures/brick.png");
     picture.save(path)?;

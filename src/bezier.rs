@@ -52,11 +52,7 @@ impl Degree {
         match count {
             16 => Ok(Self::Cubic),
             25 => Ok(Self::Quartic),
-            _ => Err(Error::invalid(
-                "number of control points",
-                count,
-                "16 (4×4) or 25 (5×5)",
-            )),
+            _ => Err(Error::invalid("number of control points", count, "16 (4×4) or 25 (5×5)")),
         }
     }
 }
@@ -115,10 +111,7 @@ pub struct DeCasteljau {
 /// With fewer than two or more than five points.
 #[must_use]
 pub fn de_casteljau(points: &[DVec4], t: f64) -> DeCasteljau {
-    assert!(
-        (2..=MAX_SIDE).contains(&points.len()),
-        "a curve of a patch has 2 to 5 control points"
-    );
+    assert!((2..=MAX_SIDE).contains(&points.len()), "a curve of a patch has 2 to 5 control points");
     let mut blended = [DVec4::ZERO; MAX_SIDE];
     blended[..points.len()].copy_from_slice(points);
     for count in (2..points.len()).rev() {
@@ -126,10 +119,7 @@ pub fn de_casteljau(points: &[DVec4], t: f64) -> DeCasteljau {
             blended[i] = blended[i] * (1.0 - t) + blended[i + 1] * t;
         }
     }
-    DeCasteljau {
-        point: blended[0] * (1.0 - t) + blended[1] * t,
-        last: [blended[0], blended[1]],
-    }
+    DeCasteljau { point: blended[0] * (1.0 - t) + blended[1] * t, last: [blended[0], blended[1]] }
 }
 
 /// Value and first derivatives of a patch at one (u, v).
@@ -311,9 +301,7 @@ mod tests {
             DVec4::new(2.0 * s / (1.0 + 2.0 * s), 1.0, 0.0, w),
             DVec4::new(0.0, 1.0, 0.0, 1.0),
         ];
-        let points: Vec<DVec4> = (0..16)
-            .map(|i| arc[i % 4] + DVec4::Z * (i / 4) as f64)
-            .collect();
+        let points: Vec<DVec4> = (0..16).map(|i| arc[i % 4] + DVec4::Z * (i / 4) as f64).collect();
         let patch = Patch::new(Degree::Cubic, &points);
         for step in 0..=20 {
             let p = patch.at(f64::from(step) / 20.0, 0.4).position;

@@ -98,7 +98,7 @@ impl Camera {
         let up = up.normalize_or(DVec3::Y);
         let front = if up.z.abs() > up.y.abs() { -DVec3::Y } else { DVec3::Z };
         let right = up.cross(front).normalize();
-        let back = (front + 0.62 * up + 0.35 * right).normalize();
+        let back = (front + 0.85 * up + 0.4 * right).normalize();
         let screen_x = up.cross(back).normalize();
         let screen_y = back.cross(screen_x);
 
@@ -126,9 +126,10 @@ impl Camera {
                 .map(|p| p.z + (p.x.abs() / slope_x).max(p.y.abs() / slope_y))
                 .fold(0.0, f64::max);
             let seen = from_middle.map(|p| p.truncate() / (distance - p.z));
-            let (low, high) = seen.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
-                (low.min(p), high.max(p))
-            });
+            let (low, high) = seen
+                .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+                    (low.min(p), high.max(p))
+                });
             let off = (low + high) * (0.5 * distance);
             if off.is_finite() {
                 middle += off.extend(0.0);
@@ -230,13 +231,9 @@ mod tests {
 
     #[test]
     fn an_orthographic_height_is_the_pictures_height() {
-        let camera = Camera::new(
-            DVec3::Z,
-            DVec3::ZERO,
-            DVec3::Y,
-            Lens::Orthographic { height: 3.0 },
-        )
-        .unwrap();
+        let camera =
+            Camera::new(DVec3::Z, DVec3::ZERO, DVec3::Y, Lens::Orthographic { height: 3.0 })
+                .unwrap();
         let seen = camera.projection([DVec3::ZERO].into_iter(), 2.0);
         let ndc = (seen.projection * seen.view).project_point3(dvec3(3.0, -1.5, 0.0));
         assert!((ndc.x - 1.0).abs() < 1e-12 && (ndc.y + 1.0).abs() < 1e-12);
@@ -256,10 +253,7 @@ mod tests {
                 Camera::new(eye, DVec3::ZERO, DVec3::Y, Lens::Perspective { fov_y_radians: 3.2 }),
                 "180",
             ),
-            (
-                Camera::new(eye, DVec3::ZERO, DVec3::Y, Lens::Orthographic { height: 0.0 }),
-                "height",
-            ),
+            (Camera::new(eye, DVec3::ZERO, DVec3::Y, Lens::Orthographic { height: 0.0 }), "height"),
         ] {
             let text = camera.unwrap_err().to_string();
             assert!(text.contains(word), "{text}");

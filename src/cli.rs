@@ -100,7 +100,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
                 .map_err(|error| vec![error])?;
             render::all(arguments, &outputs)
         }
-        Some(Command::Info(arguments)) => info::print(arguments.backend).map_err(|error| vec![error]),
+        Some(Command::Info(arguments)) => {
+            info::print(arguments.backend).map_err(|error| vec![error])
+        }
     }
 }
 
@@ -112,7 +114,9 @@ fn default_scene() -> Result<(), Error> {
     println!("{}", job.driver());
     println!();
     println!("Next:");
-    println!("  freeform render resources/scenes/thesis/*.toml -o out/   the figures of the thesis");
+    println!(
+        "  freeform render resources/scenes/thesis/*.toml -o out/   the figures of the thesis"
+    );
     println!("  freeform render resources/surfaces/teapot.bpt            the Utah teapot");
     println!("  freeform render --help                                   levels, wireframe, sizes");
     Ok(())

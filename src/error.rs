@@ -72,10 +72,6 @@ impl Error {
         value: impl std::fmt::Display,
         expected: impl Into<String>,
     ) -> Self {
-        Self::Invalid {
-            name: name.into(),
-            value: value.to_string(),
-            expected: expected.into(),
-        }
+        Self::Invalid { name: name.into(), value: value.to_string(), expected: expected.into() }
     }
 }

@@ -95,10 +95,7 @@ pub fn finish(gl: &glow::Context) {
 }
 
 fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {
-    made.map_err(|reason| Error::Driver {
-        what: what.to_owned(),
-        reason,
-    })
+    made.map_err(|reason| Error::Driver { what: what.to_owned(), reason })
 }
 
 /// The driver counts in `i32`.

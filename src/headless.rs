@@ -110,18 +110,8 @@ impl Headless {
         check_version(&gl).map_err(|error| error.to_string())?;
         let debug_log = DebugLog::install(&mut gl);
         let info = DriverInfo::of(&gl);
-        #[expect(
-            clippy::arc_with_non_send_sync,
-            reason = "the context stays on its thread, but egui and others hand it out in an Arc"
-        )]
         let gl = Arc::new(gl);
-        Ok(Self {
-            gl,
-            debug_log,
-            backend,
-            info,
-            owner,
-        })
+        Ok(Self { gl, debug_log, backend, info, owner })
     }
 
     /// The functions of the context.

@@ -1,4 +1,61 @@
-//! Trimmed Bézier surfaces on OpenGL 4.5 tessellation.
+//! Trimmed Bézier surfaces, drawn from their control points with OpenGL 4.5 tessellation.
+//!
+//! The crate is a port of a thesis' `FreeFormSurface` class (Schank, *Rendering von
+//! Freiformflächen*, Koblenz 2018): patches of 4×4 control points, cut by circles, intervals,
+//! ellipses and Bézier curves in the fragment stage; and of a report's renderer of 5×5 points. With
+//! it come headless contexts, a scene format, and a renderer on the CPU in `f64` that tells whether
+//! the GPU's pictures are right.
+//!
+//! ```no_run
+//! use freeform_surface::{Backend, Frame, Headless, PreparedScene, Renderer, Scene};
+//! use freeform_surface::gpu::Framebuffer;
+//!
+//! # fn main() -> freeform_surface::Result<()> {
+//! let scene = Scene::load("resources/surfaces/teapot.bpt".as_ref())?;
+//! let context = Headless::new(Backend::Auto)?;
+//! let target = Framebuffer::new(context.gl(), 1000, 600)?;
+//! let mut renderer = Renderer::new(context.gl())?;
+//! let frame = Frame {
+//!     projection: scene.projection(1000, 600),
+//!     settings: scene.settings,
+//! };
+//! target.bind();
+//! PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
+//! let picture = target.read();
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! In an OpenGL context of your own, leave `Headless` and `Framebuffer` away: [`Renderer::new`]
+//! takes any `glow::Context` of version 4.5, and [`FreeFormSurface::render`] draws into whatever
+//! framebuffer is bound.
+//!
+//! # Conventions
+//!
+//! | what | how |
+//! |---|---|
+//! | space | right-handed; view space looks along −z; clip space is OpenGL's |
+//! | matrices | column vectors, glam's layout; `f64` on the CPU, `f32` in shaders |
+//! | control points | row by row, u along a row, v from row to row; (x, y, z, weight) |
+//! | domain | (u, v) in \[0, 1\]² for each patch; trims are given in it |
+//! | pictures on surfaces | the first row of pixels is v = 1; 8-bit values are taken as they are, no sRGB |
+//! | rendered pictures | the first row is the upper one; alpha is 1 where a surface is |
+//! | angles | radians, unless the name says degrees |
+//! | counts | indices and segment numbers in errors begin at 0, lines of files at 1 |
+//!
+//! ```text
+//!  v
+//!  ^   12 13 14 15      the control points of a bicubic patch
+//!  |    8  9 10 11
+//!  |    4  5  6  7
+//!  |    0  1  2  3
+//!  +-------------> u
+//! ```
+//!
+//! # Features
+//!
+//! `cli` (default) builds the `freeform` program; `headless` the contexts without a display. With
+//! `default-features = false` the library brings neither clap nor glutin.
 
 mod bezier;
 mod camera;
@@ -13,12 +70,20 @@ mod surface;
 mod tessellation;
 mod trim;
 
-pub use bezier::*;
-pub use camera::*;
-pub use error::*;
+pub use bezier::{
+    DeCasteljau, Degree, Patch, SurfacePoint, bernstein, check_control_point, de_casteljau,
+    homogeneous,
+};
+pub use camera::{Camera, Lens, Projection};
+pub use error::{Error, Result};
 #[cfg(feature = "headless")]
 pub use headless::{Backend, Headless};
 pub use renderer::{Frame, PreparedScene, Renderer};
-pub use scene::*;
+pub use scene::{
+    Image, Paint, RenderSettings, Scene, Shading, Surface, TessLevel, default_control_points,
+    load_texture,
+};
 pub use surface::FreeFormSurface;
-pub use trim::*;
+pub use trim::{
+    Circle, Ellipse, Interval, Newton, NewtonTrims, Segment, TrimLoop, Trims, inside_loops,
+};

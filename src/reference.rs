@@ -175,7 +175,8 @@ impl<'a> TrimDecision<'a> {
         const ROUNDING: f64 = 5e-8;
         let here = self.cut(fragment.uv);
         let differs = |offset: DVec2| self.cut(fragment.uv + offset) != here;
-        let rounds = (-20..=20).flat_map(|y| (-20..=20).map(move |x| DVec2::new(x.into(), y.into())));
+        let rounds =
+            (-20..=20).flat_map(|y| (-20..=20).map(move |x| DVec2::new(x.into(), y.into())));
         let reach = (radius_px * STEPS_PER_PX).floor() as i32;
         let [right, down] = fragment.uv_per_px;
         let around = (-reach..=reach)
@@ -330,9 +331,7 @@ impl Picture {
 
 /// 0 … 1 to 8 bits, as OpenGL converts.
 fn to_bytes(color: DVec4) -> [u8; 4] {
-    color
-        .to_array()
-        .map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
+    color.to_array().map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
 #[cfg(test)]
@@ -342,9 +341,7 @@ mod tests {
     #[test]
     fn triangles_cover_every_cell_once_without_turning() {
         for level in (1..=9).chain([63, 64]) {
-            let corner = |i: usize| {
-                DVec2::new((i % (level + 1)) as f64, (i / (level + 1)) as f64)
-            };
+            let corner = |i: usize| DVec2::new((i % (level + 1)) as f64, (i / (level + 1)) as f64);
             let areas: Vec<f64> = triangles(TessLevel::new(level as i64).unwrap())
                 .map(|[a, b, c]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)))
                 .collect();

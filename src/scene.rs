@@ -216,9 +216,7 @@ impl Surface {
 
     /// Control points in world space, without their weights. The surface lies in their hull.
     pub fn world_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
-        self.control_points
-            .iter()
-            .map(|point| self.transform.transform_point3(point.truncate()))
+        self.control_points.iter().map(|point| self.transform.transform_point3(point.truncate()))
     }
 }
 
@@ -294,12 +292,7 @@ impl Scene {
     }
 
     fn of_patches(surfaces: Vec<Surface>) -> Self {
-        Self {
-            camera: None,
-            up: DVec3::Z,
-            settings: RenderSettings::default(),
-            surfaces,
-        }
+        Self { camera: None, up: DVec3::Z, settings: RenderSettings::default(), surfaces }
     }
 
     /// The matrices of a picture of so many pixels.
@@ -329,18 +322,12 @@ impl Scene {
 
 /// The extension in lower case, without the dot.
 fn extension(path: &Path) -> String {
-    path.extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase())
-        .unwrap_or_default()
+    path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 /// The text of a scene file, refused by name if it is no file, too large, empty or no UTF-8.
 fn read_text(path: &Path) -> Result<String> {
-    let fail = |reason: String| Error::File {
-        action: "read",
-        path: path.to_owned(),
-        reason,
-    };
+    let fail = |reason: String| Error::File { action: "read", path: path.to_owned(), reason };
     let metadata = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?;
     if metadata.is_dir() {
         return Err(fail("it is a folder, expected a file".into()));
@@ -350,8 +337,9 @@ fn read_text(path: &Path) -> Result<String> {
         return Err(fail(format!("{size} bytes; a scene has at most {most}")));
     }
     let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
-    let text = String::from_utf8(bytes)
-        .map_err(|error| fail(format!("it is not text (byte {})", error.utf8_error().valid_up_to())))?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        fail(format!("it is not text (byte {})", error.utf8_error().valid_up_to()))
+    })?;
     if text.trim().is_empty() {
         return Err(fail("it is empty".into()));
     }
@@ -360,8 +348,5 @@ fn read_text(path: &Path) -> Result<String> {
 
 /// The line, from 1, of a byte offset.
 fn line_of(text: &str, offset: usize) -> usize {
-    1 + text.as_bytes()[..offset.min(text.len())]
-        .iter()
-        .filter(|byte| **byte == b'\n')
-        .count()
+    1 + text.as_bytes()[..offset.min(text.len())].iter().filter(|byte| **byte == b'\n').count()
 }

@@ -6,9 +6,7 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec4};
 
 use crate::bezier::homogeneous;
 use crate::gpu::{Buffer, Program, Texture};
-use crate::renderer::programs::{
-    TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location,
-};
+use crate::renderer::programs::{TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location};
 use crate::renderer::{Frame, Renderer};
 use crate::scene::default_control_points;
 use crate::{
@@ -59,11 +57,8 @@ impl FreeFormSurface {
     /// Loops that the thesis' method cannot cut, no memory.
     pub fn from_surface(renderer: &Renderer, surface: Surface) -> Result<Self> {
         let loops = NewtonTrims::from_loops(&surface.trims.loops)?;
-        let points: Vec<Vec4> = surface
-            .control_points()
-            .iter()
-            .map(|point| homogeneous(*point).as_vec4())
-            .collect();
+        let points: Vec<Vec4> =
+            surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
         let control_points = Buffer::new(renderer.gl(), "control points", &points)?;
         let color = match surface.paint {
             Paint::Color(rgb) => rgb,
@@ -402,7 +397,8 @@ impl FreeFormSurface {
             program.set_vec2(location::TRIM_VALUES_Y, interval.v.as_vec2());
         }
         if let Some(ellipse) = trims.ellipses.first() {
-            program.set_i32(location::ELLIPSE_BOOL, switch(trims.ellipses_on, trims.ellipses.len()));
+            program
+                .set_i32(location::ELLIPSE_BOOL, switch(trims.ellipses_on, trims.ellipses.len()));
             program.set_vec2(location::TRIM_ELLIPSE_CENTER, ellipse.center.as_vec2());
             program.set_f32(location::TRIM_RADIUS_1, ellipse.radii.x as f32);
             program.set_f32(location::TRIM_RADIUS_2, ellipse.radii.y as f32);
@@ -444,9 +440,13 @@ fn uploaded<T: bytemuck::Pod>(
 fn more_shapes(trims: &Trims) -> Vec<Vec4> {
     let mut shapes = Vec::new();
     if trims.circles_on {
-        shapes.extend(trims.circles.iter().skip(1).map(|circle| {
-            circle.center.as_vec2().extend(circle.radius as f32).extend(0.0)
-        }));
+        shapes.extend(
+            trims
+                .circles
+                .iter()
+                .skip(1)
+                .map(|circle| circle.center.as_vec2().extend(circle.radius as f32).extend(0.0)),
+        );
     }
     if trims.intervals_on {
         shapes.extend(trims.intervals.iter().skip(1).map(|interval| {

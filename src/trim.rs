@@ -17,11 +17,7 @@ use crate::{Error, Result};
 const SNAP: f64 = 1e-6;
 
 fn check_finite(name: &str, point: DVec2) -> Result<()> {
-    if point.is_finite() {
-        Ok(())
-    } else {
-        Err(Error::invalid(name, point, "finite coordinates"))
-    }
+    if point.is_finite() { Ok(()) } else { Err(Error::invalid(name, point, "finite coordinates")) }
 }
 
 fn check_radius(name: &str, radius: f64) -> Result<()> {
@@ -303,7 +299,10 @@ mod tests {
         let nan = dvec2(f64::NAN, 0.0);
         for (error, words) in [
             (Circle::new(DVec2::ZERO, -0.5).unwrap_err(), ["circle radius", "-0.5", "0 or above"]),
-            (Circle::new(DVec2::ZERO, f64::INFINITY).unwrap_err(), ["circle radius", "inf", "finite"]),
+            (
+                Circle::new(DVec2::ZERO, f64::INFINITY).unwrap_err(),
+                ["circle radius", "inf", "finite"],
+            ),
             (Circle::new(nan, 0.1).unwrap_err(), ["circle center", "NaN", "finite"]),
             (
                 Interval::new(dvec2(0.7, 0.2), DVec2::ZERO).unwrap_err(),

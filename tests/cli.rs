@@ -62,7 +62,8 @@ fn alone_it_renders_the_default_scene_and_says_what_comes_next() {
 fn a_folder_gets_a_picture_for_each_scene() {
     let folder = Folder::new();
     let scenes = [resource("scenes/thesis/fig15.toml"), resource("surfaces/teapot.bpt")];
-    let output = folder.run(&["render", &scenes[0], &scenes[1], "-o", "out/", "--resolution", "80x60"]);
+    let output =
+        folder.run(&["render", &scenes[0], &scenes[1], "-o", "out/", "--resolution", "80x60"]);
     assert!(output.status.success(), "{output:?}");
     for name in ["out/fig15.png", "out/teapot.png"] {
         assert_eq!(size(&folder.path(name)), (80, 60));
@@ -95,7 +96,8 @@ fn flags_win_over_the_scene() {
     let folder = Folder::new();
     folder.write("a.toml", format!("render = {{ level = 32 }}\n{SCENE}"));
     let picture = |flags: &[&str]| {
-        let arguments = [&["render", "a.toml", "-o", "a.png", "--resolution", "120x90"], flags].concat();
+        let arguments =
+            [&["render", "a.toml", "-o", "a.png", "--resolution", "120x90"], flags].concat();
         let output = folder.run(&arguments);
         assert!(output.status.success(), "{output:?}");
         image::open(folder.path("a.png")).unwrap().into_rgba8()
@@ -123,9 +125,11 @@ fn flags_win_over_the_scene() {
 fn verbose_tells_the_parts_of_the_time() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
-    let output = folder.run(&["render", "a.toml", "--verbose", "--resolution", "32x24", "--level", "4"]);
+    let output =
+        folder.run(&["render", "a.toml", "--verbose", "--resolution", "32x24", "--level", "4"]);
     let said = text(&output.stderr);
-    for part in ["driver start-up", "shader compilation", "the program's own part", "triangles 32"] {
+    for part in ["driver start-up", "shader compilation", "the program's own part", "triangles 32"]
+    {
         assert!(said.contains(part), "{said}");
     }
 }
@@ -136,7 +140,9 @@ fn info_names_backend_driver_and_limits() {
     let output = folder.run(&["info"]);
     let said = text(&output.stdout);
     assert!(output.status.success());
-    for word in ["backend", "renderer", "version", "patch vertices", "tessellation level", "storage"] {
+    for word in
+        ["backend", "renderer", "version", "patch vertices", "tessellation level", "storage"]
+    {
         assert!(said.contains(word), "{said}");
     }
 }
@@ -233,7 +239,9 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
             &[":3:", "wide.png", "40000 × 1", "16384"],
         ),
         (
-            surface("control_points = \"default\"\n[[surface.trim]]\ncircle = { center = [0, 0], radius = -1 }"),
+            surface(
+                "control_points = \"default\"\n[[surface.trim]]\ncircle = { center = [0, 0], radius = -1 }",
+            ),
             &[":3:", "circle radius is -1"],
         ),
         (
@@ -241,18 +249,26 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
             &["square", "circle"],
         ),
         (
-            surface("control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0.5]]]"),
+            surface(
+                "control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0.5]]]",
+            ),
             &["gap", "segment 1", "closed"],
         ),
         (
-            surface("control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0]]]"),
+            surface(
+                "control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0]]]",
+            ),
             &["line, line", "two quadratics or two cubics"],
         ),
         ("surface = []".into(), &[":1:", "at least one [[surface]]"]),
     ] {
         // A scene needs a surface; it stands last, so that lines count from the fault.
         let toml: String = toml;
-        let whole = if toml.contains("surface") { toml } else { format!("{toml}\n{}", surface("control_points = \"default\"")) };
+        let whole = if toml.contains("surface") {
+            toml
+        } else {
+            format!("{toml}\n{}", surface("control_points = \"default\""))
+        };
         folder.write("scene.toml", whole);
         let words: Vec<&str> = [&["scene.toml"], words].concat();
         refused(&folder, &["scene.toml"], 1, &words);
@@ -301,7 +317,8 @@ fn one_bad_scene_does_not_stop_the_others() {
     folder.write("a.toml", SCENE);
     folder.write("bad.toml", "surface = []");
     folder.write("c.toml", SCENE);
-    let output = folder.run(&["render", "a.toml", "bad.toml", "c.toml", "-o", "out", "--resolution", "8x8"]);
+    let output =
+        folder.run(&["render", "a.toml", "bad.toml", "c.toml", "-o", "out", "--resolution", "8x8"]);
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("bad.toml:1:"));
     assert!(folder.path("out/a.png").exists() && folder.path("out/c.png").exists());

@@ -19,7 +19,10 @@ fn every_backend_gives_what_the_program_relies_on() {
         assert!(info.max_fragment_storage_blocks >= 2 && info.max_size >= 4096, "{info:?}");
         assert!(info.version.contains('.') && !info.renderer.is_empty(), "{info:?}");
     }
-    assert!(matches!(Headless::new(Backend::Auto).unwrap().backend(), Backend::Egl | Backend::Osmesa));
+    assert!(matches!(
+        Headless::new(Backend::Auto).unwrap().backend(),
+        Backend::Egl | Backend::Osmesa
+    ));
 }
 
 #[test]
@@ -44,7 +47,8 @@ fn contexts_on_many_threads_do_not_disturb_each_other() {
         std::thread::scope(|scope| {
             let threads: Vec<_> = (0..6)
                 .map(|_| {
-                    scope.spawn(|| (0..3).map(|_| render(&scene, size, backend)).collect::<Vec<_>>())
+                    scope
+                        .spawn(|| (0..3).map(|_| render(&scene, size, backend)).collect::<Vec<_>>())
                 })
                 .collect();
             for thread in threads {

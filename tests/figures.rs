@@ -79,9 +79,7 @@ fn excuse_speckles(
         })
         .collect();
     let mut excused = 0;
-    for (i, (expected, actual)) in
-        picture.image.pixels().zip(actual.pixels()).enumerate()
-    {
+    for (i, (expected, actual)) in picture.image.pixels().zip(actual.pixels()).enumerate() {
         let off = (0..4).map(|c| expected.0[c].abs_diff(actual.0[c])).max().unwrap_or(0);
         if left_out[i] || off <= tolerance(scene) {
             continue;
@@ -154,9 +152,7 @@ fn lonely(pixels: &[(i32, i32)], others: &[(i32, i32)]) -> usize {
     let others: std::collections::HashSet<_> = others.iter().copied().collect();
     pixels
         .iter()
-        .filter(|(x, y)| {
-            !(-1..=1).any(|dy| (-1..=1).any(|dx| others.contains(&(x + dx, y + dy))))
-        })
+        .filter(|(x, y)| !(-1..=1).any(|dy| (-1..=1).any(|dx| others.contains(&(x + dx, y + dy)))))
         .count()
 }
 
@@ -188,7 +184,8 @@ fn diagonals_are_those_the_reference_draws() {
         let size = UVec2::splat(480);
         let reference = reference::render(&scene, size, Arithmetic::Thesis).unwrap().image;
         let actual = render(&scene, size, backends()[0]);
-        let (expected, actual) = (drawn(&reference, [0, 0, 0, 255]), drawn(&actual, [0, 0, 0, 255]));
+        let (expected, actual) =
+            (drawn(&reference, [0, 0, 0, 255]), drawn(&actual, [0, 0, 0, 255]));
         assert_eq!(lonely(&expected, &actual), 0, "level {level}");
         assert_eq!(lonely(&actual, &expected), 0, "level {level}");
     }

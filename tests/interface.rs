@@ -3,10 +3,10 @@
 
 mod common;
 
+use freeform_surface::gpu::Program;
 use freeform_surface::renderer::programs::{
     Pipeline, ProgramKey, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location,
 };
-use freeform_surface::gpu::Program;
 use freeform_surface::{Degree, Error, Headless, Shading};
 use glow::HasContext as _;
 
@@ -133,10 +133,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
         assert_eq!(program.uniform_location(name), None, "{name}");
     }
     assert_eq!(storage_binding(&context, &program, "trimPointsSsbo"), None);
-    let circles = link(TrimFeatures {
-        circles: true,
-        ..TrimFeatures::default()
-    });
+    let circles = link(TrimFeatures { circles: true, ..TrimFeatures::default() });
     assert!(circles.uniform_location("circBool").is_some());
     assert_eq!(circles.uniform_location("intervalBool"), None);
 }
@@ -177,7 +174,8 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
         shading: Shading::Phong,
         trims: TrimFeatures::ALL,
     };
-    let sources = Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");
+    let sources =
+        Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");
     let Err(Error::Shader { what, log }) = sources.link(context.gl(), key) else {
         panic!("the shader is broken")
     };
@@ -189,7 +187,11 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
     // The driver reports a failed compilation through the debug callback as well.
     assert!(!context.debug_log().take_errors().is_empty() || log.contains("error"));
 
-    let unlinked = Sources::default().with_edit("thesis/surface.frag", "in vec3 passNormal", "in vec4 passNormal");
+    let unlinked = Sources::default().with_edit(
+        "thesis/surface.frag",
+        "in vec3 passNormal",
+        "in vec4 passNormal",
+    );
     let error = unlinked.link(context.gl(), ProgramKey { trims: TrimFeatures::default(), ..key });
     assert!(error.is_err());
     let _ = context.debug_log().take_errors();

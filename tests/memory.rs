@@ -60,8 +60,8 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
                 surface.circular_trimming(0.1, center).unwrap();
                 surface.add_circle(surface.trims().circles[0]);
             }
-            let [a, b, c, d] = [(0.2, 0.5), (0.5, 0.9), (0.8, 0.5), (0.5, 0.1)]
-                .map(|(u, v)| dvec2(u, v));
+            let [a, b, c, d] =
+                [(0.2, 0.5), (0.5, 0.9), (0.8, 0.5), (0.5, 0.1)].map(|(u, v)| dvec2(u, v));
             surface.set_bezier_curve_trimming(a, b, c, d).unwrap();
             surface.render(&mut renderer, &frame).unwrap();
             // A software driver collects commands, and memory with them, until someone waits.

@@ -44,10 +44,9 @@ fn most_memory(work: impl FnOnce()) -> usize {
 }
 
 fn parse(text: &str) {
-    for scene in [
-        Scene::from_toml(text, Path::new("x.toml")),
-        Scene::from_bpt(text, Path::new("x.bpt")),
-    ] {
+    for scene in
+        [Scene::from_toml(text, Path::new("x.toml")), Scene::from_bpt(text, Path::new("x.bpt"))]
+    {
         match scene {
             Ok(scene) => assert!(!scene.surfaces.is_empty()),
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
@@ -171,7 +170,10 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         ("inline surfaces", format!("surface=[{}]", filled("{control_points=\"default\"},"))),
         ("trims", in_surfaces("[[surface.trim]]\ncircle={center=[0,0],radius=1}\n")),
         ("trims in arrays", in_surfaces("trim=[{loop=[[[0,0],[0,0]],[[0,0],[0,0]]]}]\n")),
-        ("inline trims", in_surfaces(&format!("trim=[{}]\n", "{circle={center=[0,0],radius=1}},".repeat(6_000)))),
+        (
+            "inline trims",
+            in_surfaces(&format!("trim=[{}]\n", "{circle={center=[0,0],radius=1}},".repeat(6_000))),
+        ),
         ("points", in_surfaces(&format!("control_points=[{}]\n", "[0,0,0],".repeat(28_000)))),
         ("flat points", in_surfaces(&format!("control_points=[{}]\n", "0,".repeat(110_000)))),
         ("tables", in_surfaces("[a]\n")),

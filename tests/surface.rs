@@ -7,7 +7,7 @@ use std::sync::Arc;
 use freeform_surface::gpu::{Framebuffer, Texture};
 use freeform_surface::reference::{self, Arithmetic};
 use freeform_surface::{
-    Backend, Circle, Degree, Ellipse, FreeFormSurface, Frame, Image, Interval, PreparedScene,
+    Backend, Circle, Degree, Ellipse, Frame, FreeFormSurface, Image, Interval, PreparedScene,
     RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel, TrimLoop,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
@@ -143,7 +143,10 @@ fn many_trims_of_every_kind_cut_at_once() {
     for i in 0..8 {
         let u = 0.08 + 0.12 * f64::from(i);
         plain.trims.circles.push(Circle::new(dvec2(u, 0.1), 0.04).unwrap());
-        plain.trims.intervals.push(Interval::new(dvec2(u - 0.03, u + 0.03), dvec2(0.2, 0.3)).unwrap());
+        plain
+            .trims
+            .intervals
+            .push(Interval::new(dvec2(u - 0.03, u + 0.03), dvec2(0.2, 0.3)).unwrap());
         plain.trims.ellipses.push(Ellipse::new(dvec2(u, 0.4), dvec2(0.02, 0.06)).unwrap());
     }
     // Loops side by side; what one of them speckles above itself is cut once more.
@@ -207,10 +210,16 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
     for (result, words) in [
         (surface.set_specific_control_point(DVec3::ZERO, 16), ["index", "16", "0 to 15"]),
         (surface.set_specific_control_point(DVec3::NAN, 3), ["control point 3", "NaN", "finite"]),
-        (surface.set_control_point(DVec4::new(0.0, 0.0, 0.0, -2.0), 3), ["weight", "-2", "above 0"]),
+        (
+            surface.set_control_point(DVec4::new(0.0, 0.0, 0.0, -2.0), 3),
+            ["weight", "-2", "above 0"],
+        ),
         (surface.circular_trimming(-1.0, DVec2::ZERO), ["circle radius", "-1", "0 or above"]),
         (surface.circular_trimming(f64::NAN, DVec2::ZERO), ["circle radius", "NaN", "finite"]),
-        (surface.ellipse_trimming(0.1, f64::INFINITY, DVec2::ZERO), ["ellipse radius", "inf", "finite"]),
+        (
+            surface.ellipse_trimming(0.1, f64::INFINITY, DVec2::ZERO),
+            ["ellipse radius", "inf", "finite"],
+        ),
         (surface.interval_trimming(dvec2(1.0, 0.0), DVec2::ZERO), ["interval u", "[1, 0]", "≤"]),
         (surface.set_model_matrix(DMat4::NAN), ["model matrix", "NaN", "finite"]),
         (
@@ -306,7 +315,13 @@ fn the_teapot_matches_the_reference() {
     let picture = reference::render(&scene, SIZE, Arithmetic::Thesis).unwrap();
     for backend in backends() {
         let actual = render(&scene, SIZE, backend);
-        assert_same(&format!("teapot-{backend}"), &picture.image, &actual, &picture.edge_band(1.5), 2);
+        assert_same(
+            &format!("teapot-{backend}"),
+            &picture.image,
+            &actual,
+            &picture.edge_band(1.5),
+            2,
+        );
     }
 }
 

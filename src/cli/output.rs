@@ -72,7 +72,12 @@ impl Output {
                     None => Ok(Self::File(path)),
                     Some(other) => Err(Error::invalid(
                         "output",
-                        format!("{} for {} and {}", path.display(), other.display(), scene.display()),
+                        format!(
+                            "{} for {} and {}",
+                            path.display(),
+                            other.display(),
+                            scene.display()
+                        ),
                         "scenes with different names, or one call for each",
                     )),
                 }
@@ -89,11 +94,7 @@ impl Output {
             Self::File(path) => path.clone(),
             Self::Standard => PathBuf::from("standard output"),
         };
-        let fail = |reason: String| Error::File {
-            action: "write",
-            path: path.clone(),
-            reason,
-        };
+        let fail = |reason: String| Error::File { action: "write", path: path.clone(), reason };
         let bytes = encode(image).map_err(|error| fail(error.to_string()))?;
         match self {
             Self::Standard => {
@@ -109,7 +110,11 @@ impl Output {
 fn single(path: &Path) -> Result<Output> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     if extension != "png" {
-        return Err(Error::invalid("output", path.display(), "a name that ends in .png, or a folder"));
+        return Err(Error::invalid(
+            "output",
+            path.display(),
+            "a name that ends in .png, or a folder",
+        ));
     }
     Ok(Output::File(path.to_owned()))
 }
@@ -136,12 +141,10 @@ fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
-    std::fs::write(&part, bytes)
-        .and_then(|()| std::fs::rename(&part, path))
-        .inspect_err(|_| {
-            // The file may not exist; what went wrong is already known.
-            let _ = std::fs::remove_file(&part);
-        })
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
+        // The file may not exist; what went wrong is already known.
+        let _ = std::fs::remove_file(&part);
+    })
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, Framebuffer};
-use freeform_surface::{Backend, Error, Frame, Headless, Image, PreparedScene, Renderer, Result, Scene};
+use freeform_surface::{
+    Backend, Error, Frame, Headless, Image, PreparedScene, Renderer, Result, Scene,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::RenderArguments;
@@ -12,8 +14,7 @@ use super::output::Output;
 /// # Errors
 /// One for each scene that failed; the others are written all the same.
 pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(), Vec<Error>> {
-    let mut job =
-        Job::new(arguments.backend, arguments.resolution).map_err(|error| vec![error])?;
+    let mut job = Job::new(arguments.backend, arguments.resolution).map_err(|error| vec![error])?;
     job.verbose = arguments.verbose;
     // Without a terminal indicatif draws nothing.
     let bar = if outputs.len() > 1 && !arguments.verbose {
@@ -96,10 +97,7 @@ impl Job {
 
     /// Draws a scene and writes its picture.
     pub(super) fn render(&mut self, scene: &Scene, output: &Output) -> Result<()> {
-        let mut times = Times {
-            load: self.load,
-            ..Times::default()
-        };
+        let mut times = Times { load: self.load, ..Times::default() };
         let image = self.draw(scene, &mut times)?;
         let start = Instant::now();
         output.write(&image)?;
@@ -112,10 +110,7 @@ impl Job {
 
     fn draw(&mut self, scene: &Scene, times: &mut Times) -> Result<Image> {
         let (width, height) = self.target.size();
-        let frame = Frame {
-            projection: scene.projection(width, height),
-            settings: scene.settings,
-        };
+        let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
         let gl = self.context.gl();
         let start = Instant::now();
         let mut prepared = PreparedScene::new(&self.renderer, scene)?;

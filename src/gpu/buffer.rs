@@ -32,11 +32,7 @@ impl Buffer {
             let raw = create(label, gl.create_named_buffer())?;
             gl.named_buffer_data_u8_slice(raw, data, glow::DYNAMIC_DRAW);
             gl.object_label(glow::BUFFER, raw.0.get(), Some(label));
-            Ok(Self {
-                gl: Arc::clone(gl),
-                raw,
-                bytes: data.len(),
-            })
+            Ok(Self { gl: Arc::clone(gl), raw, bytes: data.len() })
         }
     }
 

@@ -23,10 +23,7 @@ impl DebugLog {
                 let message = message.trim();
                 if matches!(kind, glow::DEBUG_TYPE_ERROR | glow::DEBUG_TYPE_UNDEFINED_BEHAVIOR) {
                     log::error!("OpenGL: {message}");
-                    errors
-                        .lock()
-                        .unwrap_or_else(PoisonError::into_inner)
-                        .push(message.to_owned());
+                    errors.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
                 } else if severity == glow::DEBUG_SEVERITY_HIGH {
                     log::warn!("OpenGL: {message}");
                 } else {

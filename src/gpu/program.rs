@@ -103,10 +103,7 @@ impl Program {
         // SAFETY: the context is current (see the module); the program is new and ours, freed by
         // `drop` from the moment `Self` holds it.
         unsafe {
-            let program = Self {
-                gl: Arc::clone(gl),
-                raw: create(label, gl.create_program())?,
-            };
+            let program = Self { gl: Arc::clone(gl), raw: create(label, gl.create_program())? };
             for shader in &shaders {
                 gl.attach_shader(program.raw, shader.raw);
             }
@@ -216,10 +213,7 @@ fn compile<'a>(
     let name = stage.kind.name();
     // SAFETY: the context is current (see the module); the shader is new and ours, freed by `drop`.
     unsafe {
-        let shader = Shader {
-            gl,
-            raw: create(name, gl.create_shader(stage.kind.gl()))?,
-        };
+        let shader = Shader { gl, raw: create(name, gl.create_shader(stage.kind.gl()))? };
         gl.shader_source(shader.raw, &source);
         gl.compile_shader(shader.raw);
         if !gl.get_shader_compile_status(shader.raw) {
@@ -267,10 +261,7 @@ mod tests {
     use super::*;
 
     fn parts() -> [ShaderPart; 2] {
-        ["a.glsl", "b.frag"].map(|file| ShaderPart {
-            file,
-            text: format!("// {file}").into(),
-        })
+        ["a.glsl", "b.frag"].map(|file| ShaderPart { file, text: format!("// {file}").into() })
     }
 
     #[test]

@@ -42,10 +42,7 @@ impl Texture {
         let texture = unsafe {
             let raw = create(label, gl.create_named_texture(glow::TEXTURE_2D))?;
             gl.texture_storage_2d(raw, levels as i32, glow::RGBA8, width, height);
-            Self {
-                gl: Arc::clone(gl),
-                raw,
-            }
+            Self { gl: Arc::clone(gl), raw }
         };
         // The smaller levels are made here: drivers are free in how they make them, and Mesa's
         // software driver compiles a shader for each, which takes a hundred times as long.

@@ -32,10 +32,7 @@ impl VertexArray {
             gl.vertex_array_attrib_format_f32(raw, 0, 4, glow::FLOAT, false, 0);
             gl.vertex_array_attrib_binding_f32(raw, 0, 0);
             gl.object_label(glow::VERTEX_ARRAY, raw.0.get(), Some("control points"));
-            Ok(Self {
-                gl: Arc::clone(gl),
-                raw,
-            })
+            Ok(Self { gl: Arc::clone(gl), raw })
         }
     }
 

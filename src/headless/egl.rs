@@ -22,9 +22,8 @@ pub(super) struct Context {
 impl Context {
     /// The first device that gives a 4.5 core context, hardware before software.
     pub(super) fn new() -> Result<(Self, glow::Context), String> {
-        let mut devices: Vec<Device> = Device::query_devices()
-            .map_err(|error| format!("EGL: {error}"))?
-            .collect();
+        let mut devices: Vec<Device> =
+            Device::query_devices().map_err(|error| format!("EGL: {error}"))?.collect();
         devices.sort_by_key(|device| device.extensions().contains("EGL_MESA_device_software"));
         let mut reasons = Vec::new();
         for device in &devices {
@@ -45,9 +44,8 @@ impl Context {
     fn on(device: &Device) -> Result<(Self, glow::Context), glutin::error::Error> {
         // SAFETY: the device comes from EGL, and no display handle is passed.
         let display = unsafe { Display::with_device(device, None)? };
-        let template = ConfigTemplateBuilder::new()
-            .with_surface_type(ConfigSurfaceTypes::empty())
-            .build();
+        let template =
+            ConfigTemplateBuilder::new().with_surface_type(ConfigSurfaceTypes::empty()).build();
         // SAFETY: the template names no window.
         let config: Option<Config> = unsafe { display.find_configs(template)?.next() };
         let config = config.ok_or(glutin::error::ErrorKind::BadConfig)?;
@@ -59,12 +57,10 @@ impl Context {
         // SAFETY: the config is this display's, and no window handle is passed.
         let context = unsafe { display.create_context(&config, &attributes)? };
         let context = context.make_current_surfaceless()?;
-        let context = Self {
-            current: Some(context),
-            display,
-        };
+        let context = Self { current: Some(context), display };
         // SAFETY: the context is current, so the functions that EGL names are its own.
-        let gl = unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
+        let gl =
+            unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
         Ok((context, gl))
     }
 

@@ -74,25 +74,23 @@ impl Context {
             (OSMESA_CONTEXT_MAJOR_VERSION, 4),
             (OSMESA_CONTEXT_MINOR_VERSION, 5),
         ];
-        let mut list: Vec<c_int> = attributes.iter().flat_map(|(key, value)| [*key, *value]).collect();
+        let mut list: Vec<c_int> =
+            attributes.iter().flat_map(|(key, value)| [*key, *value]).collect();
         list.push(0);
         // SAFETY: the list is pairs of key and value with a 0 after the last.
         let raw = unsafe { (functions.create)(list.as_ptr(), std::ptr::null_mut()) };
         if raw.is_null() {
             return Err("OSMesa: it gives no OpenGL 4.5 core context".into());
         }
-        let mut context = Self {
-            functions,
-            raw,
-            pixel: Box::new([0; 4]),
-        };
+        let mut context = Self { functions, raw, pixel: Box::new([0; 4]) };
         let pixel = context.pixel.as_mut_ptr().cast();
         // SAFETY: the buffer holds one RGBA pixel and lives as long as the context.
         if unsafe { (functions.make_current)(raw, pixel, GL_UNSIGNED_BYTE, 1, 1) } == 0 {
             return Err("OSMesa: the context cannot be made current".into());
         }
         // SAFETY: the context is current, so the functions that OSMesa names are its own.
-        let gl = unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
+        let gl =
+            unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
         Ok((context, gl))
     }
 

@@ -207,12 +207,7 @@ impl Raster {
                 let depth = (1.0 - t) * ends[0].depth() + t * ends[1].depth();
                 let uv_per_px = (ends[1].uv - ends[0].uv) / length.length();
                 self.put([place.x as usize, place.y as usize], depth, || {
-                    shade(&Sample {
-                        vertex,
-                        uv_per_px: [uv_per_px; 2],
-                        edge_px: 0.0,
-                        front: true,
-                    })
+                    shade(&Sample { vertex, uv_per_px: [uv_per_px; 2], edge_px: 0.0, front: true })
                 });
             }
             center += 1.0;
@@ -296,7 +291,8 @@ mod tests {
     #[test]
     fn two_triangles_of_a_square_share_no_pixel_and_miss_none() {
         // The diagonal passes through pixel centres.
-        let corners = [(1.0, 1.0), (6.0, 1.0), (6.0, 6.0), (1.0, 6.0)].map(|(x, y)| vertex(x, y, 1.0));
+        let corners =
+            [(1.0, 1.0), (6.0, 1.0), (6.0, 6.0), (1.0, 6.0)].map(|(x, y)| vertex(x, y, 1.0));
         let mut counts = [0; 64];
         for triangle in [[0, 1, 2], [0, 2, 3], [3, 2, 1], [3, 1, 0]] {
             let mut raster = Raster::new(UVec2::splat(8), [0.0; 4]);
@@ -353,9 +349,7 @@ mod tests {
         assert!(matches!(raster.pixels[0], Pixel::Hole(_)));
         raster.triangle(at(0.5), &mut drawn);
         raster.triangle(at(0.7), &mut |_| panic!("hidden"));
-        let Pixel::Surface(fragment) = raster.pixels[0] else {
-            panic!("the pixel is inside")
-        };
+        let Pixel::Surface(fragment) = raster.pixels[0] else { panic!("the pixel is inside") };
         assert!((fragment.depth - 0.5).abs() < 1e-12);
     }
 

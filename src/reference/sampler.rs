@@ -42,9 +42,9 @@ impl<'a> Sampler<'a> {
     pub(super) fn sample(&self, uv: DVec2, uv_per_px: [DVec2; 2]) -> DVec3 {
         match self {
             // The renderer keeps colours in textures of 8 bits.
-            Self::Color(color) => DVec3::from(color.map(|channel| {
-                (f64::from(channel) * 255.0).round() / 255.0
-            })),
+            Self::Color(color) => {
+                DVec3::from(color.map(|channel| (f64::from(channel) * 255.0).round() / 255.0))
+            }
             Self::Levels(levels) => {
                 let size = DVec2::new(levels[0].width as f64, levels[0].height as f64);
                 let [right, down] = uv_per_px.map(|step| (step * size).length());

@@ -211,10 +211,7 @@ impl Sources {
         };
         ShaderPart {
             file,
-            text: self
-                .replaced
-                .get(file)
-                .map_or_else(own, |text| Cow::Owned(text.clone())),
+            text: self.replaced.get(file).map_or_else(own, |text| Cow::Owned(text.clone())),
         }
     }
 

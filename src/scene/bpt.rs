@@ -25,13 +25,11 @@ struct Fault {
 
 /// Surfaces of the patches in file order; neighbours of one degree share a surface.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Surface>> {
-    numbers(text)
-        .and_then(|values| surfaces(&values))
-        .map_err(|fault| Error::Scene {
-            path: path.to_owned(),
-            line: line_of_value(text, fault.value),
-            message: fault.message,
-        })
+    numbers(text).and_then(|values| surfaces(&values)).map_err(|fault| Error::Scene {
+        path: path.to_owned(),
+        line: line_of_value(text, fault.value),
+        message: fault.message,
+    })
 }
 
 fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
@@ -48,10 +46,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
 
 /// At most 20 characters, so that a binary file makes no page of an error.
 fn shortened(word: &str) -> String {
-    word.chars()
-        .take(20)
-        .map(|c| if c.is_control() { '\u{fffd}' } else { c })
-        .collect()
+    word.chars().take(20).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 fn line_of_value(text: &str, value: usize) -> usize {
@@ -99,10 +94,8 @@ fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
     surfaces
         .into_iter()
         .map(|(degree, points)| {
-            Surface::new(degree, points).map_err(|error| Fault {
-                value: 0,
-                message: error.to_string(),
-            })
+            Surface::new(degree, points)
+                .map_err(|error| Fault { value: 0, message: error.to_string() })
         })
         .collect()
 }
@@ -123,10 +116,16 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
     let mut next = 1;
     for patch in 0..count {
         let Some(header) = values.get(next..next + 2) else {
-            return fault(next, format!("{count} patches announced, but the file ends after {patch}"));
+            return fault(
+                next,
+                format!("{count} patches announced, but the file ends after {patch}"),
+            );
         };
         let (Some(first), Some(second)) = (whole(header[0]), whole(header[1])) else {
-            return fault(next, format!("patch {patch} begins with {header:?}; expected two degrees"));
+            return fault(
+                next,
+                format!("patch {patch} begins with {header:?}; expected two degrees"),
+            );
         };
         let extra = usize::from(dialect == Dialect::Degrees);
         let sides = [first.saturating_add(extra), second.saturating_add(extra)];
@@ -196,10 +195,7 @@ mod tests {
             patches(&text("3", &[("3 3", 16), ("4 4", 25), ("3 3", 16)])),
             [(Cubic, 1), (Quartic, 1), (Cubic, 1)]
         );
-        assert_eq!(
-            patches(&text("2", &[("4 4", 16), ("5 5", 25)])),
-            [(Cubic, 1), (Quartic, 1)]
-        );
+        assert_eq!(patches(&text("2", &[("4 4", 16), ("5 5", 25)])), [(Cubic, 1), (Quartic, 1)]);
     }
 
     #[test]

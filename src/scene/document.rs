@@ -16,7 +16,8 @@ use super::{
 };
 use crate::camera::Lens;
 use crate::{
-    Camera, Circle, Degree, Ellipse, Error, Interval, Newton, NewtonTrims, Result, Segment, TrimLoop,
+    Camera, Circle, Degree, Ellipse, Error, Interval, Newton, NewtonTrims, Result, Segment,
+    TrimLoop,
 };
 
 #[derive(Deserialize)]
@@ -183,12 +184,7 @@ const MAX_SURFACE_BYTES: usize = 256 << 10;
 /// Each `[[surface]]` is parsed by itself, so that the memory grows with the largest of them and not
 /// with the file.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
-    let mut builder = Builder {
-        text,
-        path,
-        chunk: 0,
-        textures: HashMap::new(),
-    };
+    let mut builder = Builder { text, path, chunk: 0, textures: HashMap::new() };
     let mut camera = None;
     let mut settings = None;
     let mut surfaces = Vec::new();
@@ -206,12 +202,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
-    Ok(Scene {
-        camera,
-        up: DVec3::Y,
-        settings: settings.unwrap_or_default(),
-        surfaces,
-    })
+    Ok(Scene { camera, up: DVec3::Y, settings: settings.unwrap_or_default(), surfaces })
 }
 
 /// The text before the first line `[[surface]]`, then from each such line to the next.
@@ -271,9 +262,8 @@ impl Builder<'_> {
                 ),
             ));
         }
-        toml::from_str(chunk).map_err(|error| {
-            self.at(error.span().map_or(0, |span| span.start), error.message())
-        })
+        toml::from_str(chunk)
+            .map_err(|error| self.at(error.span().map_or(0, |span| span.start), error.message()))
     }
 
     /// Takes a table that a scene has at most once.
@@ -347,7 +337,9 @@ impl Builder<'_> {
     ) -> Result<Paint> {
         match (texture, color) {
             (None, None) => Ok(Paint::default()),
-            (None, Some(color)) => self.check(color, |rgb| unit_range("color", rgb)).map(Paint::Color),
+            (None, Some(color)) => {
+                self.check(color, |rgb| unit_range("color", rgb)).map(Paint::Color)
+            }
             (Some(texture), None) if shading != ShadingName::Flat => {
                 let path = self.beside_scene(texture.get_ref());
                 if let Some(image) = self.textures.get(&path) {
@@ -394,9 +386,7 @@ fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettin
 
 fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {
     let lens = match (table.fov_y_degrees, table.orthographic_height) {
-        (fov, None) => Lens::Perspective {
-            fov_y_radians: fov.unwrap_or(45.0).to_radians(),
-        },
+        (fov, None) => Lens::Perspective { fov_y_radians: fov.unwrap_or(45.0).to_radians() },
         (None, Some(height)) => Lens::Orthographic { height },
         (Some(_), Some(_)) => {
             return Err(Error::invalid(

@@ -19,11 +19,7 @@ const MAX_BYTES: u64 = 4 * MAX_SIDE as u64 * MAX_SIDE as u64;
 /// A file that cannot be read, is no PNG, JPEG or BMP picture, or is larger than 16,384 pixels a
 /// side.
 pub fn load_texture(path: &Path) -> Result<Image> {
-    let fail = |reason: String| Error::File {
-        action: "read",
-        path: path.to_owned(),
-        reason,
-    };
+    let fail = |reason: String| Error::File { action: "read", path: path.to_owned(), reason };
     if path.is_dir() {
         return Err(fail("it is a folder, expected a picture".into()));
     }

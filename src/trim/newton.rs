@@ -20,10 +20,7 @@ pub struct Newton {
 impl Default for Newton {
     /// The thesis' figures: 10 iterations, a last step below 0.001.
     fn default() -> Self {
-        Self {
-            iterations: 10,
-            epsilon: 0.001,
-        }
+        Self { iterations: 10, epsilon: 0.001 }
     }
 }
 
@@ -108,10 +105,9 @@ impl Newton {
 fn value_and_slope<const N: usize>(b: &[f64; N], t: f64) -> [f64; 2] {
     let s = 1.0 - t;
     match *b.as_slice() {
-        [b0, b1, b2] => [
-            s * s * b0 + 2.0 * t * s * b1 + t * t * b2,
-            2.0 * s * (b1 - b0) + 2.0 * t * (b2 - b1),
-        ],
+        [b0, b1, b2] => {
+            [s * s * b0 + 2.0 * t * s * b1 + t * t * b2, 2.0 * s * (b1 - b0) + 2.0 * t * (b2 - b1)]
+        }
         [b0, b1, b2, b3] => [
             s * s * s * b0 + 3.0 * t * s * s * b1 + 3.0 * t * t * s * b2 + t * t * t * b3,
             3.0 * s * s * (b1 - b0) + 6.0 * t * s * (b2 - b1) + 3.0 * t * t * (b3 - b2),
@@ -188,17 +184,12 @@ impl NewtonTrims {
     pub fn cut(&self, newton: &Newton, uv: DVec2) -> bool {
         let quadratic = |p: &[DVec2]| [[p[0], p[1], p[2]], [p[0], p[3], p[2]]];
         let cubic = |p: &[DVec2]| [[p[0], p[1], p[2], p[3]], [p[0], p[4], p[5], p[3]]];
-        self.quadratic
-            .iter()
-            .any(|p| quadratic(p).iter().any(|curve| newton.below(curve, uv)))
+        self.quadratic.iter().any(|p| quadratic(p).iter().any(|curve| newton.below(curve, uv)))
             || self.nested_quadratic.iter().any(|p| {
                 std::iter::zip(quadratic(&p[..4]), quadratic(&p[4..]))
                     .any(|(outer, inner)| newton.below_outer_only(&outer, &inner, uv))
             })
-            || self
-                .cubic
-                .iter()
-                .any(|p| cubic(p).iter().any(|curve| newton.below(curve, uv)))
+            || self.cubic.iter().any(|p| cubic(p).iter().any(|curve| newton.below(curve, uv)))
             || self.nested_cubic.iter().any(|p| {
                 std::iter::zip(cubic(&p[..6]), cubic(&p[6..]))
                     .any(|(outer, inner)| newton.below_outer_only(&outer, &inner, uv))
@@ -274,7 +265,12 @@ mod tests {
         let corner = |x: f64, y: f64| dvec2(0.5 + x * half_width, 0.5 + y * half_height);
         TrimLoop::new(vec![
             Segment::Cubic([corner(-1., 0.), corner(-0.8, 1.3), corner(0.8, 1.3), corner(1., 0.)]),
-            Segment::Cubic([corner(1., 0.), corner(0.8, -1.3), corner(-0.8, -1.3), corner(-1., 0.)]),
+            Segment::Cubic([
+                corner(1., 0.),
+                corner(0.8, -1.3),
+                corner(-0.8, -1.3),
+                corner(-1., 0.),
+            ]),
         ])
         .unwrap()
     }
@@ -382,7 +378,8 @@ mod tests {
 
     #[test]
     fn settings_outside_their_range_are_refused() {
-        for (iterations, epsilon) in [(0, 0.1), (1001, 0.1), (10, 0.0), (10, f64::NAN), (10, -1.0)] {
+        for (iterations, epsilon) in [(0, 0.1), (1001, 0.1), (10, 0.0), (10, f64::NAN), (10, -1.0)]
+        {
             assert!(Newton::new(iterations, epsilon).is_err());
         }
     }

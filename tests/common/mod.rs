@@ -91,10 +91,7 @@ pub fn draw(
 ) {
     let (width, height) = target.size();
     target.bind();
-    let frame = Frame {
-        projection: scene.projection(width, height),
-        settings: scene.settings,
-    };
+    let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
     prepared.draw(renderer, &frame).unwrap_or_else(|error| panic!("{error}"));
 }
 
@@ -173,7 +170,8 @@ fn write_failure(
 ) -> Result<PathBuf, Box<dyn std::error::Error>> {
     let folder = root().join("target/test-failures");
     std::fs::create_dir_all(&folder)?;
-    let (width, height) = (expected.width().max(actual.width()), expected.height().max(actual.height()));
+    let (width, height) =
+        (expected.width().max(actual.width()), expected.height().max(actual.height()));
     let mut sheet = Image::new(3 * width, height);
     image::imageops::replace(&mut sheet, expected, 0, 0);
     image::imageops::replace(&mut sheet, actual, 2 * i64::from(width), 0);
