@@ -4,6 +4,7 @@ mod info;
 mod output;
 mod render;
 
+use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
@@ -88,6 +89,11 @@ fn level(text: &str) -> Result<TessLevel, String> {
         .ok_or_else(|| "expected a whole number from 1 to 64".into())
 }
 
+/// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
+fn say(line: impl std::fmt::Display) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
 /// Does what the arguments ask for.
 ///
 /// # Errors
@@ -110,14 +116,11 @@ fn default_scene() -> Result<(), Error> {
     let output = Output::File("freeform.png".into());
     let mut job = Job::new(Backend::Auto, (1000, 600))?;
     job.render(&Scene::listing16(), &output)?;
-    println!("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on");
-    println!("{}", job.driver());
-    println!();
-    println!("Next:");
-    println!(
-        "  freeform render resources/scenes/thesis/*.toml -o out/   the figures of the thesis"
-    );
-    println!("  freeform render resources/surfaces/teapot.bpt            the Utah teapot");
-    println!("  freeform render --help                                   levels, wireframe, sizes");
+    say("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on");
+    say(job.driver());
+    say("\nNext:");
+    say("  freeform render resources/scenes/thesis/*.toml -o out/   the figures of the thesis");
+    say("  freeform render resources/surfaces/teapot.bpt            the Utah teapot");
+    say("  freeform render --help                                   levels, wireframe, sizes");
     Ok(())
 }

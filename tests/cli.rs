@@ -1,6 +1,8 @@
 //! The program as a person runs it: what it writes, what it says, and what it leaves alone.
 #![cfg(feature = "cli")]
 
+mod common;
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -113,11 +115,8 @@ fn flags_win_over_the_scene() {
     let points = picture(&["--control-points"]);
     let blue = image::Rgba([0, 128, 255, 255]);
     assert!(points.pixels().filter(|pixel| **pixel == blue).count() >= 16 * 40);
-    for backend in ["egl", "osmesa"] {
-        if std::env::var("FREEFORM_TEST_BACKENDS").is_ok_and(|names| !names.contains(backend)) {
-            continue;
-        }
-        assert_eq!(drawn(&picture(&["--backend", backend])), drawn(&filled));
+    for backend in common::backends() {
+        assert_eq!(drawn(&picture(&["--backend", &backend.to_string()])), drawn(&filled));
     }
 }
 

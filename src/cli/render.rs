@@ -6,8 +6,8 @@ use freeform_surface::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::RenderArguments;
 use super::output::Output;
+use super::{RenderArguments, say};
 
 /// Renders every scene to its output.
 ///
@@ -31,7 +31,7 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
         let done = job.load(path, arguments).and_then(|scene| job.render(&scene, output));
         match done {
             Ok(()) if *output == Output::Standard => {}
-            Ok(()) => bar.suspend(|| println!("wrote {output}")),
+            Ok(()) => bar.suspend(|| say(format_args!("wrote {output}"))),
             Err(error) => errors.push(error),
         }
         bar.inc(1);
