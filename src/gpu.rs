@@ -94,6 +94,30 @@ pub fn finish(gl: &glow::Context) {
     unsafe { gl.finish() }
 }
 
+/// Makes pixels go to and from memory row by row without gaps, whatever the caller of the library
+/// had set: other settings would have the driver read and write beyond the pixels.
+fn transfer_plainly(gl: &glow::Context) {
+    // SAFETY: the context is current (see the module); the parameters exist since OpenGL 4.5.
+    unsafe {
+        gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
+        gl.bind_buffer(glow::PIXEL_UNPACK_BUFFER, None);
+        for parameter in [
+            glow::PACK_ROW_LENGTH,
+            glow::PACK_SKIP_PIXELS,
+            glow::PACK_SKIP_ROWS,
+            glow::PACK_SWAP_BYTES,
+            glow::UNPACK_ROW_LENGTH,
+            glow::UNPACK_SKIP_PIXELS,
+            glow::UNPACK_SKIP_ROWS,
+            glow::UNPACK_SWAP_BYTES,
+        ] {
+            gl.pixel_store_i32(parameter, 0);
+        }
+        gl.pixel_store_i32(glow::PACK_ALIGNMENT, 4);
+        gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 4);
+    }
+}
+
 fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {
     made.map_err(|reason| Error::Driver { what: what.to_owned(), reason })
 }

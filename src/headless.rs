@@ -53,11 +53,12 @@ enum Owner {
     Osmesa(osmesa::Context),
 }
 
-/// An OpenGL 4.5 core context, current on the thread that made it until it is dropped.
+/// An OpenGL 4.5 core context, current on the thread that made it.
 ///
-/// It must outlive everything that is made with [`Headless::gl`].
+/// It must outlive everything that is made with [`Headless::gl`]. With several on one thread,
+/// [`Headless::make_current`] goes from one to the other; dropping one leaves none current.
 pub struct Headless {
-    // The order matters: functions go before the context that they belong to.
+    // The order matters: the functions go before the context that they belong to.
     gl: Arc<glow::Context>,
     debug_log: DebugLog,
     backend: Backend,
@@ -120,6 +121,18 @@ impl Headless {
         &self.gl
     }
 
+    /// Makes the context current on the calling thread.
+    ///
+    /// # Errors
+    /// The driver's reason for refusing.
+    pub fn make_current(&self) -> Result<()> {
+        match &self.owner {
+            Owner::Egl(context) => context.make_current(),
+            Owner::Osmesa(context) => context.make_current(),
+        }
+        .map_err(Error::Context)
+    }
+
     /// The address of an OpenGL function, or null: for callers who need one that glow lacks.
     #[must_use]
     pub fn proc_address(&self, name: &CStr) -> *const c_void {
@@ -145,5 +158,14 @@ impl Headless {
     #[must_use]
     pub const fn debug_log(&self) -> &DebugLog {
         &self.debug_log
+    }
+}
+
+impl Drop for Headless {
+    fn drop(&mut self) {
+        // What is freed after this belongs to this context, and not to another one of the thread.
+        if let Err(error) = self.make_current() {
+            log::debug!("a context is dropped without being current: {error}");
+        }
     }
 }

@@ -33,9 +33,12 @@ pub struct Frame {
 /// Draws surfaces with the OpenGL context of its caller.
 ///
 /// The context must be current whenever the renderer or something made with it is used or dropped.
-/// Drawing sets the state it needs and leaves depth test, blending, culling and the bindings of
-/// texture unit 0 and of the storage buffers 1 and 2 changed; the polygon mode is filled, no program
-/// and no vertex array are bound afterwards.
+///
+/// The caller's framebuffer, viewport, scissor, colour mask, depth range and sRGB conversion hold for
+/// what is drawn. Drawing sets the rest that it needs, and leaves it so: depth test and function,
+/// depth mask, no blending, culling, stencil test or rasterizer discard, filled polygons, the patch
+/// size, the texture and sampler of unit 0, the storage buffers 1 and 2; no program and no vertex
+/// array are bound afterwards. Uploading a picture sets plain pixel transfers.
 pub struct Renderer {
     gl: Arc<glow::Context>,
     sources: Sources,
@@ -150,8 +153,13 @@ impl Renderer {
         unsafe {
             gl.enable(glow::DEPTH_TEST);
             gl.depth_func(glow::LESS);
-            gl.disable(glow::CULL_FACE);
-            gl.disable(glow::BLEND);
+            gl.depth_mask(true);
+            for capability in
+                [glow::CULL_FACE, glow::BLEND, glow::STENCIL_TEST, glow::RASTERIZER_DISCARD]
+            {
+                gl.disable(capability);
+            }
+            gl.bind_sampler(0, None);
             gl.polygon_mode(glow::FRONT_AND_BACK, if wireframe { glow::LINE } else { glow::FILL });
             gl.patch_parameter_i32(glow::PATCH_VERTICES, degree.points() as i32);
         }
@@ -172,6 +180,7 @@ impl Renderer {
         program.set_f32(location::POINT_SIZE, CONTROL_POINT_PX);
         program.set_i32(location::SHOW_CONTROL_POINTS, 1);
         surface.texture().bind(0);
+        self.set_state(surface.degree(), false);
         self.draw_points(surface.control_point_buffer(), surface.control_point_count());
         self.release();
         Ok(())
@@ -188,7 +197,7 @@ impl Renderer {
         }
     }
 
-    /// Leaves no object of ours bound that its owner may delete.
+    /// Leaves no program and no vertex array bound, and polygons filled.
     fn release(&self) {
         self.vertex_array.unbind();
         // SAFETY: the context is current (see the type).

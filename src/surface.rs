@@ -9,6 +9,7 @@ use crate::gpu::{Buffer, Program, Texture};
 use crate::renderer::programs::{TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location};
 use crate::renderer::{Frame, Renderer};
 use crate::scene::default_control_points;
+use crate::trim::holds;
 use crate::{
     Circle, Degree, Ellipse, Error, Image, Interval, Newton, NewtonTrims, Paint, Result, Segment,
     Shading, Surface, TrimLoop, Trims,
@@ -50,27 +51,33 @@ impl FreeFormSurface {
         Self::from_surface(renderer, Surface::new(degree, points)?)
     }
 
-    /// One or more patches with everything that belongs to them. A picture in the paint is not
-    /// uploaded here, because surfaces may share it: see [`FreeFormSurface::set_texture`].
+    /// One or more patches with everything that belongs to them.
+    ///
+    /// # Errors
+    /// Loops that the thesis' method cannot cut, a picture that the driver cannot hold, no memory.
+    pub fn from_surface(renderer: &Renderer, surface: Surface) -> Result<Self> {
+        let texture = Arc::new(surface.paint.upload(renderer.gl())?);
+        Self::with_texture(renderer, surface, texture)
+    }
+
+    /// The same with a texture that is there already, whatever the surface's paint says.
     ///
     /// # Errors
     /// Loops that the thesis' method cannot cut, no memory.
-    pub fn from_surface(renderer: &Renderer, surface: Surface) -> Result<Self> {
+    pub fn with_texture(
+        renderer: &Renderer,
+        surface: Surface,
+        texture: Arc<Texture>,
+    ) -> Result<Self> {
         let loops = NewtonTrims::from_loops(&surface.trims.loops)?;
         let points: Vec<Vec4> =
             surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
         let control_points = Buffer::new(renderer.gl(), "control points", &points)?;
-        let color = match surface.paint {
-            Paint::Color(rgb) => rgb,
-            Paint::Texture(_) => [1.0; 3],
-        };
-        let texel = color.map(|channel| (channel * 255.0).round() as u8);
-        let image = Image::from_pixel(1, 1, image::Rgba([texel[0], texel[1], texel[2], 255]));
         Ok(Self {
             surface,
             loops,
             control_points,
-            texture: Arc::new(Texture::new(renderer.gl(), "surface color", &image)?),
+            texture,
             trim_points: None,
             trim_shapes: None,
             trims_changed: true,
@@ -228,7 +235,7 @@ impl FreeFormSurface {
     /// Makes these the only loops: the outer one p0…p3, and inside it an island p4…p7.
     ///
     /// # Errors
-    /// A point that is not finite, an inner loop that leaves the outer one's box.
+    /// A point that is not finite, an inner loop that is not inside the outer one.
     pub fn set_nested_bezier_curve_trimming(&mut self, points: [DVec2; 8]) -> Result<()> {
         let [a, b, c, d, e, f, g, h] = points;
         self.replace_nested(quadratic_loop([a, b, c, d])?, quadratic_loop([e, f, g, h])?)
@@ -246,7 +253,7 @@ impl FreeFormSurface {
     /// Makes these the only loops: the outer one p0…p5, and inside it an island p6…p11.
     ///
     /// # Errors
-    /// A point that is not finite, an inner loop that leaves the outer one's box.
+    /// A point that is not finite, an inner loop that is not inside the outer one.
     pub fn set_nested_cubic_bezier_curve_trimming(&mut self, points: [DVec2; 12]) -> Result<()> {
         let [a, b, c, d, e, f, g, h, i, j, k, l] = points;
         self.replace_nested(cubic_loop([a, b, c, d, e, f])?, cubic_loop([g, h, i, j, k, l])?)
@@ -270,7 +277,7 @@ impl FreeFormSurface {
         self.trims_changed = true;
     }
 
-    /// Adds a loop to those that are there; one inside the loop before it is an island.
+    /// Adds a loop to those that are there; one inside another is an island.
     ///
     /// # Errors
     /// A loop that the thesis' method cannot cut; the surface stays as it was.
@@ -329,12 +336,12 @@ impl FreeFormSurface {
     }
 
     fn replace_nested(&mut self, outer: TrimLoop, inner: TrimLoop) -> Result<()> {
-        let ([least, most], [inner_least, inner_most]) = (outer.control_box(), inner.control_box());
-        if !(least.cmple(inner_least).all() && inner_most.cmple(most).all()) {
+        if !holds(&outer, &inner) {
+            let [least, most] = inner.control_box();
             return Err(Error::invalid(
                 "inner loop",
-                format!("within {inner_least} … {inner_most}"),
-                format!("control points within the outer loop's, {least} … {most}"),
+                format!("within {least} … {most}"),
+                "a loop inside the outer one",
             ));
         }
         self.replace_loops(vec![outer, inner])
@@ -420,6 +427,20 @@ impl FreeFormSurface {
         }
         if let Some(shapes) = &self.trim_shapes {
             shapes.bind_storage(TRIM_SHAPES_BINDING);
+        }
+    }
+}
+
+impl Paint {
+    /// The texture that shows this paint: the picture, or one texel of the colour.
+    pub(crate) fn upload(&self, gl: &Arc<glow::Context>) -> Result<Texture> {
+        match self {
+            Self::Texture(image) => Texture::new(gl, "surface picture", image),
+            Self::Color(rgb) => {
+                let [r, g, b] = rgb.map(|channel| (channel * 255.0).round() as u8);
+                let texel = Image::from_pixel(1, 1, image::Rgba([r, g, b, 255]));
+                Texture::new(gl, "surface color", &texel)
+            }
         }
     }
 }

@@ -9,6 +9,7 @@ mod newton;
 use glam::DVec2;
 
 pub use inside::inside_loops;
+pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};
 
 use crate::{Error, Result};
@@ -154,6 +155,19 @@ impl Segment {
             Self::Line(points) => points,
             Self::Quadratic(points) => points,
             Self::Cubic(points) => points,
+        }
+    }
+
+    /// The point at `t`, 0 at the start and 1 at the end.
+    #[must_use]
+    pub fn point(&self, t: f64) -> DVec2 {
+        let s = 1.0 - t;
+        match *self {
+            Self::Line([a, b]) => a * s + b * t,
+            Self::Quadratic([a, b, c]) => a * (s * s) + b * (2.0 * s * t) + c * (t * t),
+            Self::Cubic([a, b, c, d]) => {
+                a * (s * s * s) + b * (3.0 * s * s * t) + c * (3.0 * s * t * t) + d * (t * t * t)
+            }
         }
     }
 

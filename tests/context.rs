@@ -3,11 +3,12 @@
 
 mod common;
 
-use freeform_surface::{Backend, Headless, Scene};
+use freeform_surface::gpu::Framebuffer;
+use freeform_surface::{Backend, Headless, PreparedScene, Renderer, Scene};
 use glam::UVec2;
 use glow::HasContext as _;
 
-use common::{Checked, backends, render};
+use common::{Checked, backends, draw, render};
 
 #[test]
 fn every_backend_gives_what_the_program_relies_on() {
@@ -58,6 +59,84 @@ fn contexts_on_many_threads_do_not_disturb_each_other() {
             }
         });
     }
+}
+
+#[test]
+fn several_contexts_of_one_thread_take_turns() {
+    for backend in backends() {
+        let [first, second] = [Checked::new(backend), Checked::new(backend)];
+        let targets = [&first, &second].map(|context| {
+            context.make_current().unwrap();
+            let target = Framebuffer::new(context.gl(), 8, 8).unwrap();
+            target.bind();
+            target
+        });
+        let [target_of_first, target_of_second] = targets;
+        for (context, target, red) in
+            [(&first, &target_of_first, 0.0), (&second, &target_of_second, 1.0)]
+        {
+            context.make_current().unwrap();
+            let renderer = Renderer::new(context.gl()).unwrap();
+            renderer.clear([red, 0.0, 0.0, 1.0]);
+            assert_eq!(target.read().get_pixel(0, 0).0, [(red * 255.0) as u8, 0, 0, 255]);
+        }
+        first.make_current().unwrap();
+        drop(target_of_first);
+        drop(first);
+        second.make_current().unwrap();
+        assert_eq!(target_of_second.read().get_pixel(0, 0).0, [255, 0, 0, 255]);
+    }
+}
+
+/// A caller's own settings must not change the picture, nor where memory is read and written.
+#[test]
+fn the_state_of_the_caller_does_not_show() {
+    let scene = Scene::listing16();
+    let size = UVec2::new(160, 120);
+    let expected = render(&scene, size, backends()[0]);
+    let context = Checked::new(backends()[0]);
+    let gl = context.gl();
+    let target = Framebuffer::new(gl, size.x, size.y).unwrap();
+    // SAFETY: the context is current; all objects are made here and live on.
+    unsafe {
+        for parameter in [
+            glow::PACK_ROW_LENGTH,
+            glow::PACK_SKIP_ROWS,
+            glow::PACK_SKIP_PIXELS,
+            glow::UNPACK_ROW_LENGTH,
+            glow::UNPACK_SKIP_ROWS,
+            glow::UNPACK_SKIP_PIXELS,
+        ] {
+            gl.pixel_store_i32(parameter, 5000);
+        }
+        gl.pixel_store_i32(glow::PACK_ALIGNMENT, 8);
+        for target in [glow::PIXEL_PACK_BUFFER, glow::PIXEL_UNPACK_BUFFER] {
+            let buffer = gl.create_buffer().unwrap();
+            gl.bind_buffer(target, Some(buffer));
+            gl.buffer_data_size(target, 16, glow::STREAM_DRAW);
+        }
+        let sampler = gl.create_sampler().unwrap();
+        gl.sampler_parameter_i32(sampler, glow::TEXTURE_MIN_FILTER, glow::NEAREST as i32);
+        gl.sampler_parameter_i32(sampler, glow::TEXTURE_MAG_FILTER, glow::NEAREST as i32);
+        gl.bind_sampler(0, Some(sampler));
+        gl.depth_func(glow::NEVER);
+        gl.enable(glow::BLEND);
+        gl.blend_func(glow::ZERO, glow::ONE);
+        gl.enable(glow::CULL_FACE);
+        gl.cull_face(glow::FRONT_AND_BACK);
+        gl.enable(glow::STENCIL_TEST);
+        gl.polygon_mode(glow::FRONT_AND_BACK, glow::POINT);
+        gl.patch_parameter_i32(glow::PATCH_VERTICES, 3);
+    }
+    let mut renderer = Renderer::new(gl).unwrap();
+    let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
+    draw(&scene, &mut prepared, &mut renderer, &target);
+    assert_eq!(target.read(), expected);
+    // SAFETY: the context is current.
+    unsafe { gl.enable(glow::RASTERIZER_DISCARD) };
+    target.bind();
+    draw(&scene, &mut prepared, &mut renderer, &target);
+    assert_eq!(target.read(), expected);
 }
 
 #[test]

@@ -184,6 +184,7 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         ("inline tables", in_surfaces(&format!("trim=[{}]\n", "{a={}},".repeat(30_000)))),
         ("keys", (0..MIB / 10).map(|i| format!("k{i:06}=1\n")).collect()),
         ("dots", format!("{}=1", filled("a."))),
+        ("a quote in quotes", format!("trim=['\"',{}]", filled("{a={}},"))),
         ("a string", format!("surface = \"{}\"", filled("x"))),
         ("comments", filled("#\n")),
     ] {

@@ -2,15 +2,15 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
 
-use super::create;
+use super::{create, transfer_plainly};
 use crate::{Error, Image, Result};
 
 /// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
 pub struct Framebuffer {
     gl: Arc<glow::Context>,
     raw: glow::Framebuffer,
-    color: glow::Renderbuffer,
-    depth: glow::Renderbuffer,
+    _color: Renderbuffer,
+    _depth: Renderbuffer,
     width: u32,
     height: u32,
 }
@@ -38,34 +38,23 @@ impl Framebuffer {
                 format!("1 to {most} pixels a side with this driver"),
             ));
         };
-        // SAFETY: the context is current (see the module); the three objects are new and ours, and
-        // freed by `drop` from the moment `Self` holds them.
+        let size = [gl_width, gl_height];
+        let color = Renderbuffer::new(gl, "picture", glow::RGBA8, size)?;
+        let depth = Renderbuffer::new(gl, "depth", glow::DEPTH_COMPONENT32F, size)?;
+        // SAFETY: the context is current (see the module); the framebuffer is new and ours, and
+        // freed by `drop` from the moment `Self` holds it.
         unsafe {
-            let framebuffer = Self {
-                gl: Arc::clone(gl),
-                raw: create("framebuffer", gl.create_framebuffer())?,
-                color: create("colour renderbuffer", gl.create_renderbuffer())?,
-                depth: create("depth renderbuffer", gl.create_renderbuffer())?,
-                width,
-                height,
-            };
-            gl.bind_framebuffer(glow::FRAMEBUFFER, Some(framebuffer.raw));
-            for (buffer, format, attachment, label) in [
-                (framebuffer.color, glow::RGBA8, glow::COLOR_ATTACHMENT0, "picture"),
-                (framebuffer.depth, glow::DEPTH_COMPONENT32F, glow::DEPTH_ATTACHMENT, "depth"),
-            ] {
-                gl.bind_renderbuffer(glow::RENDERBUFFER, Some(buffer));
-                gl.renderbuffer_storage(glow::RENDERBUFFER, format, gl_width, gl_height);
-                gl.object_label(glow::RENDERBUFFER, buffer.0.get(), Some(label));
-                gl.framebuffer_renderbuffer(
-                    glow::FRAMEBUFFER,
-                    attachment,
-                    glow::RENDERBUFFER,
-                    Some(buffer),
-                );
+            let raw = create("framebuffer", gl.create_named_framebuffer())?;
+            for (buffer, attachment) in
+                [(&color, glow::COLOR_ATTACHMENT0), (&depth, glow::DEPTH_ATTACHMENT)]
+            {
+                let kind = glow::RENDERBUFFER;
+                gl.named_framebuffer_renderbuffer(Some(raw), attachment, kind, Some(buffer.raw));
             }
-            gl.object_label(glow::FRAMEBUFFER, framebuffer.raw.0.get(), Some("offscreen picture"));
-            let status = gl.check_framebuffer_status(glow::FRAMEBUFFER);
+            gl.object_label(glow::FRAMEBUFFER, raw.0.get(), Some("offscreen picture"));
+            let framebuffer =
+                Self { gl: Arc::clone(gl), raw, _color: color, _depth: depth, width, height };
+            let status = gl.check_named_framebuffer_status(Some(raw), glow::FRAMEBUFFER);
             if status != glow::FRAMEBUFFER_COMPLETE {
                 return Err(Error::Driver {
                     what: format!("a picture of {width}x{height} pixels"),
@@ -99,8 +88,9 @@ impl Framebuffer {
     pub fn read(&self) -> Image {
         let row = 4 * self.width as usize;
         let mut bottom_up = vec![0; row * self.height as usize];
+        transfer_plainly(&self.gl);
         // SAFETY: the context is current (see the module); the slice holds exactly the pixels that
-        // are asked for, rows of 4-byte pixels need no padding.
+        // are asked for, and the transfer writes them without gaps.
         unsafe {
             self.gl.bind_framebuffer(glow::READ_FRAMEBUFFER, Some(self.raw));
             self.gl.read_pixels(
@@ -123,11 +113,33 @@ impl Framebuffer {
 
 impl Drop for Framebuffer {
     fn drop(&mut self) {
-        // SAFETY: the context is current (see the module); nothing else owns the three objects.
+        // SAFETY: the context is current (see the module); nothing else owns the framebuffer.
+        unsafe { self.gl.delete_framebuffer(self.raw) }
+    }
+}
+
+/// The memory of one attachment.
+struct Renderbuffer {
+    gl: Arc<glow::Context>,
+    raw: glow::Renderbuffer,
+}
+
+impl Renderbuffer {
+    fn new(gl: &Arc<glow::Context>, label: &str, format: u32, size: [i32; 2]) -> Result<Self> {
+        // SAFETY: the context is current (see the module); the renderbuffer is new and ours.
         unsafe {
-            self.gl.delete_framebuffer(self.raw);
-            self.gl.delete_renderbuffer(self.color);
-            self.gl.delete_renderbuffer(self.depth);
+            let raw = create(label, gl.create_renderbuffer())?;
+            gl.bind_renderbuffer(glow::RENDERBUFFER, Some(raw));
+            gl.renderbuffer_storage(glow::RENDERBUFFER, format, size[0], size[1]);
+            gl.object_label(glow::RENDERBUFFER, raw.0.get(), Some(label));
+            Ok(Self { gl: Arc::clone(gl), raw })
         }
+    }
+}
+
+impl Drop for Renderbuffer {
+    fn drop(&mut self) {
+        // SAFETY: the context is current (see the module); nothing else owns the renderbuffer.
+        unsafe { self.gl.delete_renderbuffer(self.raw) }
     }
 }

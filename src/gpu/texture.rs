@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelUnpackData};
 
-use super::{create, size_i32};
+use super::{create, size_i32, transfer_plainly};
 use crate::{Error, Image, Result};
 
 /// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
@@ -72,8 +72,9 @@ impl Texture {
     fn upload(&self, level: u32, image: &Image) {
         let row = 4 * image.width() as usize;
         let bottom_up: Vec<u8> = image.chunks_exact(row).rev().flatten().copied().collect();
+        transfer_plainly(&self.gl);
         // SAFETY: the context is current (see the module); the pixels are exactly width × height
-        // RGBA texels, whose rows of 4-byte texels need no padding.
+        // RGBA texels, and the transfer reads them without gaps.
         unsafe {
             self.gl.texture_sub_image_2d(
                 self.raw,

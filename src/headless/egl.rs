@@ -64,6 +64,11 @@ impl Context {
         Ok((context, gl))
     }
 
+    pub(super) fn make_current(&self) -> Result<(), String> {
+        let context = self.current.as_ref().ok_or("EGL: the context is gone")?;
+        context.make_current_surfaceless().map_err(|error| format!("EGL: {error}"))
+    }
+
     pub(super) fn proc_address(&self, name: &CStr) -> *const c_void {
         self.display.get_proc_address(name)
     }

@@ -1,6 +1,7 @@
 //! Contexts through Mesa's off-screen library, loaded at run time: few machines have it, and none
 //! needs it where EGL works.
 
+use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
 use std::sync::OnceLock;
 
@@ -61,7 +62,7 @@ pub(super) struct Context {
     functions: &'static Functions,
     raw: RawContext,
     /// OSMesa cannot be current without a picture; the library draws into its own framebuffers.
-    pixel: Box<[u8; 4]>,
+    pixel: Box<UnsafeCell<[u8; 4]>>,
 }
 
 impl Context {
@@ -82,16 +83,24 @@ impl Context {
         if raw.is_null() {
             return Err("OSMesa: it gives no OpenGL 4.5 core context".into());
         }
-        let mut context = Self { functions, raw, pixel: Box::new([0; 4]) };
-        let pixel = context.pixel.as_mut_ptr().cast();
-        // SAFETY: the buffer holds one RGBA pixel and lives as long as the context.
-        if unsafe { (functions.make_current)(raw, pixel, GL_UNSIGNED_BYTE, 1, 1) } == 0 {
-            return Err("OSMesa: the context cannot be made current".into());
-        }
+        let context = Self { functions, raw, pixel: Box::new(UnsafeCell::new([0; 4])) };
+        context.make_current()?;
         // SAFETY: the context is current, so the functions that OSMesa names are its own.
         let gl =
             unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
         Ok((context, gl))
+    }
+
+    pub(super) fn make_current(&self) -> Result<(), String> {
+        let pixel = self.pixel.get().cast();
+        // SAFETY: the buffer holds one RGBA pixel, lives as long as the context, and is OSMesa's
+        // alone to write.
+        let made =
+            unsafe { (self.functions.make_current)(self.raw, pixel, GL_UNSIGNED_BYTE, 1, 1) };
+        if made == 0 {
+            return Err("OSMesa: the context cannot be made current".into());
+        }
+        Ok(())
     }
 
     pub(super) fn proc_address(&self, name: &CStr) -> *const c_void {

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::{Frame, Renderer};
 use crate::gpu::Texture;
-use crate::{FreeFormSurface, Image, Paint, Result, Scene};
+use crate::{FreeFormSurface, Paint, Result, Scene};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
 #[derive(Debug)]
@@ -11,29 +11,25 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
-    /// Uploads the surfaces of a scene; a picture that several share goes up once.
+    /// Uploads the surfaces of a scene; a picture or colour that several share goes up once.
     ///
     /// # Errors
     /// Trims that the method cannot cut, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
-        let mut textures: Vec<(&Arc<Image>, Arc<Texture>)> = Vec::new();
+        let mut textures: Vec<(&Paint, Arc<Texture>)> = Vec::new();
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
         for surface in &scene.surfaces {
-            let mut uploaded = FreeFormSurface::from_surface(renderer, surface.clone())?;
-            if let Paint::Texture(image) = &surface.paint {
-                let known = textures.iter().find(|(other, _)| Arc::ptr_eq(other, image));
-                let texture = match known {
-                    Some((_, texture)) => Arc::clone(texture),
-                    None => {
-                        let texture =
-                            Arc::new(Texture::new(renderer.gl(), "surface picture", image)?);
-                        textures.push((image, Arc::clone(&texture)));
-                        texture
-                    }
-                };
-                uploaded.set_texture(texture);
-            }
-            surfaces.push(uploaded);
+            let paint = &surface.paint;
+            let known = textures.iter().find(|(other, _)| same(other, paint));
+            let texture = match known {
+                Some((_, texture)) => Arc::clone(texture),
+                None => {
+                    let texture = Arc::new(paint.upload(renderer.gl())?);
+                    textures.push((paint, Arc::clone(&texture)));
+                    texture
+                }
+            };
+            surfaces.push(FreeFormSurface::with_texture(renderer, surface.clone(), texture)?);
         }
         Ok(Self { surfaces })
     }
@@ -58,5 +54,14 @@ impl PreparedScene {
             }
         }
         Ok(())
+    }
+}
+
+/// Whether two paints can share a texture: one colour, or one picture in memory.
+fn same(a: &Paint, b: &Paint) -> bool {
+    match (a, b) {
+        (Paint::Color(a), Paint::Color(b)) => a == b,
+        (Paint::Texture(a), Paint::Texture(b)) => Arc::ptr_eq(a, b),
+        _ => false,
     }
 }

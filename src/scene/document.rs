@@ -175,7 +175,7 @@ impl<'de> Deserialize<'de> for ControlPoint {
     }
 }
 
-/// The most bytes, strings aside, of one `[[surface]]` with its trims. The toml crate takes up to 250
+/// The most bytes of one `[[surface]]` with its trims. The toml crate takes up to 250
 /// times as much memory; a control net that is larger has its place in a .bpt file.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 
@@ -220,13 +220,6 @@ fn chunks(text: &str) -> Vec<Range<usize>> {
     std::iter::zip(starts.iter().copied(), ends).map(|(start, end)| start..end).collect()
 }
 
-/// Bytes outside of strings that lie on one line.
-fn bytes_beside_strings(text: &str) -> usize {
-    text.lines()
-        .map(|line| line.split('"').step_by(2).map(|part| part.len() + 1).sum::<usize>())
-        .sum()
-}
-
 struct Builder<'a> {
     text: &'a str,
     path: &'a Path,
@@ -241,7 +234,7 @@ impl Builder<'_> {
         Error::Scene {
             path: self.path.to_owned(),
             line: line_of(self.text, self.chunk + offset),
-            message: error.to_string().trim().replace('\n', " "),
+            message: error.to_string().trim().replace(char::is_control, " "),
         }
     }
 
@@ -252,12 +245,12 @@ impl Builder<'_> {
     }
 
     fn document(&self, chunk: &str) -> Result<Document> {
-        let size = bytes_beside_strings(chunk);
+        let size = chunk.len();
         if size > MAX_SURFACE_BYTES {
             return Err(self.at(
                 0,
                 format!(
-                    "{size} bytes beside the strings up to the next [[surface]]; expected at most \
+                    "{size} bytes up to the next [[surface]]; expected at most \
                      {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file"
                 ),
             ));
@@ -277,7 +270,7 @@ impl Builder<'_> {
         let Some(table) = table else { return Ok(()) };
         let start = table.span().start;
         if place.is_some() {
-            return Err(self.at(start, format!("a second [{name}]; expected one at most")));
+            return Err(self.at(start, format!("a second [{name}]; expected one, in one piece")));
         }
         *place = Some(convert(self, table.into_inner()).map_err(|error| match error {
             Error::Scene { .. } => error,
@@ -325,6 +318,9 @@ impl Builder<'_> {
             self.check(trim, |trim| {
                 surfaces.iter_mut().try_for_each(|surface| add_trim(&trim, surface))
             })?;
+        }
+        for surface in &surfaces {
+            NewtonTrims::from_loops(&surface.trims.loops).map_err(|error| self.at(start, error))?;
         }
         Ok(surfaces)
     }

@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::{Segment, TrimLoop};
+use super::{Segment, TrimLoop, inside_loops};
 use crate::{Error, Result};
 
 /// How long Newton's method goes on (listing 10; figures 29–34 vary both numbers).
@@ -138,11 +138,13 @@ pub struct NewtonTrims {
 }
 
 impl NewtonTrims {
-    /// Sorts loops into the thesis' forms: a loop whose control points lie in the box of the loop
-    /// before it makes the nested form with it.
+    /// Sorts loops into the thesis' forms: a loop inside another of its kind makes the nested form
+    /// with it, wherever the two stand. Loops that overlap without one being inside the other each
+    /// cut what is inside them.
     ///
     /// # Errors
-    /// A loop that is not two quadratics or two cubics, named by its number from 0.
+    /// A loop that is not two quadratics or two cubics; islands that the forms cannot hold: two in
+    /// one loop, one of another kind, one in an island. Loops are named by their number from 0.
     pub fn from_loops(loops: &[TrimLoop]) -> Result<Self> {
         let forms = loops
             .iter()
@@ -150,22 +152,29 @@ impl NewtonTrims {
             .map(|(i, trim_loop)| Form::of(trim_loop).ok_or_else(|| unfit(i, trim_loop)))
             .collect::<Result<Vec<_>>>()?;
         let mut trims = Self::default();
-        let mut i = 0;
-        while i < forms.len() {
-            let nested = i + 1 < loops.len() && holds(&loops[i], &loops[i + 1]);
-            match (forms[i], forms.get(i + 1).filter(|_| nested)) {
-                (Form::Quadratic(outer), Some(Form::Quadratic(inner))) => {
-                    trims.nested_quadratic.push(joined(&outer, inner));
-                    i += 1;
-                }
-                (Form::Cubic(outer), Some(Form::Cubic(inner))) => {
-                    trims.nested_cubic.push(joined(&outer, inner));
-                    i += 1;
-                }
-                (Form::Quadratic(points), _) => trims.quadratic.push(points),
-                (Form::Cubic(points), _) => trims.cubic.push(points),
+        for (i, form) in forms.iter().enumerate() {
+            let around: Vec<usize> =
+                (0..loops.len()).filter(|other| holds(&loops[*other], &loops[i])).collect();
+            let inside: Vec<usize> =
+                (0..loops.len()).filter(|other| holds(&loops[i], &loops[*other])).collect();
+            match (around.as_slice(), inside.as_slice()) {
+                ([], []) => match *form {
+                    Form::Quadratic(points) => trims.quadratic.push(points),
+                    Form::Cubic(points) => trims.cubic.push(points),
+                },
+                ([], [island]) => match (*form, forms[*island]) {
+                    (Form::Quadratic(outer), Form::Quadratic(inner)) => {
+                        trims.nested_quadratic.push(joined(&outer, &inner));
+                    }
+                    (Form::Cubic(outer), Form::Cubic(inner)) => {
+                        trims.nested_cubic.push(joined(&outer, &inner));
+                    }
+                    _ => return Err(misplaced(i, &inside)),
+                },
+                // An island belongs to the loop around it.
+                ([_], []) => {}
+                _ => return Err(misplaced(i, &inside)),
             }
-            i += 1;
         }
         Ok(trims)
     }
@@ -236,9 +245,29 @@ fn unfit(index: usize, trim_loop: &TrimLoop) -> Error {
     )
 }
 
-fn holds(outer: &TrimLoop, inner: &TrimLoop) -> bool {
+fn misplaced(index: usize, inside: &[usize]) -> Error {
+    Error::invalid(
+        format!("loop {index}"),
+        format!("around the loops {inside:?}"),
+        "one island at most, of the same kind and without one of its own: all that the thesis' \
+         method can cut",
+    )
+}
+
+/// Whether every point of `inner`, sampled along its curves, lies inside `outer`.
+pub(crate) fn holds(outer: &TrimLoop, inner: &TrimLoop) -> bool {
+    const SAMPLES: u32 = 16;
     let ([least, most], [inner_least, inner_most]) = (outer.control_box(), inner.control_box());
-    least.cmple(inner_least).all() && inner_most.cmple(most).all()
+    let boxes_meet = least.cmple(inner_most).all() && inner_least.cmple(most).all();
+    !std::ptr::eq(outer, inner)
+        && boxes_meet
+        && inner
+            .segments()
+            .iter()
+            .flat_map(|segment| {
+                (0..SAMPLES).map(|i| segment.point(f64::from(i) / f64::from(SAMPLES)))
+            })
+            .all(|point| inside_loops(std::slice::from_ref(outer), point))
 }
 
 fn joined<const N: usize, const M: usize>(outer: &[DVec2; N], inner: &[DVec2; N]) -> [DVec2; M] {
@@ -248,7 +277,6 @@ fn joined<const N: usize, const M: usize>(outer: &[DVec2; N], inner: &[DVec2; N]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trim::inside_loops;
     use glam::dvec2;
 
     fn lens(half_width: f64, half_height: f64) -> TrimLoop {
@@ -332,27 +360,74 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_loop_inside_the_one_before_is_nested() {
-        let trims = NewtonTrims::from_loops(&[
-            lens(0.4, 0.3),
-            lens(0.2, 0.15),
-            pillow(0.4, 0.3),
-            pillow(0.2, 0.1),
-            lens(0.1, 0.1),
-        ])
-        .unwrap();
-        let counts = [
+    fn counts(loops: &[TrimLoop]) -> [usize; 4] {
+        let trims = NewtonTrims::from_loops(loops).unwrap();
+        [
             trims.quadratic.len(),
             trims.nested_quadratic.len(),
             trims.cubic.len(),
             trims.nested_cubic.len(),
-        ];
-        assert_eq!(counts, [1, 1, 0, 1]);
-        assert_eq!(trims.points().count(), 4 + 8 + 12);
+        ]
+    }
+
+    fn moved(trim_loop: &TrimLoop, by: DVec2) -> TrimLoop {
+        let segments = trim_loop.segments().iter().map(|segment| {
+            let points: Vec<DVec2> = segment.points().iter().map(|point| *point + by).collect();
+            Segment::new(&points).unwrap()
+        });
+        TrimLoop::new(segments.collect()).unwrap()
+    }
+
+    #[test]
+    fn a_loop_inside_another_is_its_island_in_any_order() {
+        let far = dvec2(5.0, 0.0);
+        let [outer, inner] = [moved(&pillow(0.4, 0.3), far), moved(&pillow(0.2, 0.1), far)];
+        for loops in [
+            [lens(0.4, 0.3), lens(0.1, 0.1), outer.clone(), inner.clone()],
+            [inner.clone(), lens(0.4, 0.3), outer.clone(), lens(0.1, 0.1)],
+        ] {
+            assert_eq!(counts(&loops), [0, 1, 0, 1]);
+        }
         // Listing 9 runs the lower cubic from left to right: p4 is the one nearer p0.
+        let trims = NewtonTrims::from_loops(&[outer, inner]).unwrap();
+        assert_eq!(trims.points().count(), 12);
         let p = &trims.nested_cubic[0];
         assert!(p[4].x < p[5].x && p[4].y < p[0].y);
+    }
+
+    #[test]
+    fn a_loop_beside_another_is_no_island_though_the_boxes_overlap() {
+        // The control box of a tall lens is twice as high as the lens.
+        let beside = moved(&lens(0.05, 0.05), dvec2(-0.24, 0.38));
+        let tall = lens(0.3, 0.44);
+        for loops in [[tall.clone(), beside.clone()], [beside.clone(), tall]] {
+            assert_eq!(counts(&loops), [2, 0, 0, 0]);
+            let trims = NewtonTrims::from_loops(&loops).unwrap();
+            assert!(trims.cut(&Newton::default(), dvec2(0.26, 0.9)));
+        }
+        // Loops that overlap each cut.
+        assert_eq!(
+            counts(&[lens(0.2, 0.2), moved(&lens(0.2, 0.2), dvec2(0.1, 0.0))]),
+            [2, 0, 0, 0]
+        );
+        // A loop twice is twice the same hole.
+        assert_eq!(counts(&[lens(0.2, 0.2), lens(0.2, 0.2)]), [2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn islands_that_the_forms_cannot_hold_are_refused() {
+        for loops in [
+            vec![lens(0.4, 0.4), pillow(0.1, 0.1)],
+            vec![lens(0.4, 0.4), lens(0.3, 0.3), lens(0.1, 0.1)],
+            vec![
+                lens(0.4, 0.4),
+                moved(&lens(0.05, 0.05), dvec2(0.1, 0.0)),
+                moved(&lens(0.05, 0.05), dvec2(-0.1, 0.0)),
+            ],
+        ] {
+            let text = NewtonTrims::from_loops(&loops).unwrap_err().to_string();
+            assert!(text.contains("loop 0") && text.contains("one island"), "{text}");
+        }
     }
 
     #[test]
