@@ -57,23 +57,32 @@ impl Degree {
     }
 }
 
-/// Refuses a control point that is not finite or whose weight is not positive.
+/// The largest coordinate: shaders square differences of coordinates in `f32`.
+pub(crate) const MAX_COORDINATE: f64 = 1e15;
+/// Weights lie within this factor of 1, for the same reason.
+const MAX_WEIGHT: f64 = 1e9;
+
+/// Refuses a point that is not finite or too far away for `f32`.
+pub(crate) fn check_coordinates(name: impl Into<String>, point: DVec3) -> Result<()> {
+    if point.is_finite() && point.abs().max_element() <= MAX_COORDINATE {
+        Ok(())
+    } else {
+        Err(Error::invalid(name, point, "finite coordinates of at most 1e15"))
+    }
+}
+
+/// Refuses a control point that is not finite, further away than 1e15, or whose weight is not
+/// between 1e-9 and 1e9.
 ///
 /// # Errors
 /// Names the point by its index.
 pub fn check_control_point(point: DVec4, index: usize) -> Result<()> {
-    if !point.truncate().is_finite() {
-        return Err(Error::invalid(
-            format!("control point {index}"),
-            point.truncate(),
-            "finite coordinates",
-        ));
-    }
-    if !(point.w.is_finite() && point.w > 0.0) {
+    check_coordinates(format!("control point {index}"), point.truncate())?;
+    if !(1.0 / MAX_WEIGHT..=MAX_WEIGHT).contains(&point.w) {
         return Err(Error::invalid(
             format!("weight of control point {index}"),
             point.w,
-            "a finite number above 0",
+            "a number above 0, from 1e-9 to 1e9",
         ));
     }
     Ok(())
@@ -340,6 +349,8 @@ mod tests {
         for (point, word) in [
             (DVec4::new(f64::NAN, 0.0, 0.0, 1.0), "control point 7"),
             (DVec4::new(0.0, f64::INFINITY, 0.0, 1.0), "finite"),
+            (DVec4::new(0.0, 1e39, 0.0, 1.0), "at most 1e15"),
+            (DVec4::new(0.0, 0.0, 0.0, 1e-50), "weight"),
             (DVec4::new(0.0, 0.0, 0.0, 0.0), "weight"),
             (DVec4::new(0.0, 0.0, 0.0, -1.0), "above 0"),
             (DVec4::new(0.0, 0.0, 0.0, f64::NAN), "weight"),

@@ -5,6 +5,7 @@ use glam::dcamera::rh::proj::opengl;
 use glam::dcamera::rh::view::look_at_mat4;
 use glam::{DMat4, DVec2, DVec3};
 
+use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::{Error, Result};
 
 /// How far a framed scene stays away from the picture's border: 1 would touch it.
@@ -54,9 +55,7 @@ impl Camera {
     /// angle outside (0, π), a height that is not above 0.
     pub fn new(eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Result<Self> {
         for (name, vector) in [("camera eye", eye), ("camera target", target), ("camera up", up)] {
-            if !vector.is_finite() {
-                return Err(Error::invalid(name, vector, "finite coordinates"));
-            }
+            check_coordinates(name, vector)?;
         }
         let sight = target - eye;
         if sight == DVec3::ZERO {
@@ -77,11 +76,11 @@ impl Camera {
                 }
             }
             Lens::Orthographic { height } => {
-                if !(height.is_finite() && height > 0.0) {
+                if !(height > 0.0 && height <= MAX_COORDINATE) {
                     return Err(Error::invalid(
                         "camera orthographic_height",
                         height,
-                        "a finite number above 0",
+                        "a number above 0, at most 1e15",
                     ));
                 }
             }
@@ -165,7 +164,12 @@ impl Camera {
         if !(nearest.is_finite() && farthest.is_finite()) {
             (nearest, farthest) = (0.1, 10.0);
         }
-        let size = (farthest - nearest).max(farthest.abs() * 1e-3).max(f64::MIN_POSITIVE);
+        // A flat scene still needs some depth between its planes.
+        let least = match self.lens {
+            Lens::Perspective { .. } => farthest.abs().max(f64::from(f32::MIN_POSITIVE)),
+            Lens::Orthographic { height } => farthest.abs().max(height),
+        };
+        let size = (farthest - nearest).max(1e-3 * least);
         let (nearest, farthest) = (nearest - 0.01 * size, farthest + 0.01 * size);
         let projection = match self.lens {
             Lens::Perspective { fov_y_radians } => {
@@ -240,6 +244,18 @@ mod tests {
     }
 
     #[test]
+    fn a_scene_in_the_plane_of_an_orthographic_eye_has_depth() {
+        let lens = Lens::Orthographic { height: 4.0 };
+        let camera = Camera::new(DVec3::ZERO, -DVec3::Z, DVec3::Y, lens).unwrap();
+        let points = [DVec3::ZERO, DVec3::X];
+        let seen = camera.projection(points.into_iter(), 1.0);
+        for point in points {
+            let ndc = (seen.projection * seen.view).project_point3(point);
+            assert!(ndc.is_finite() && ndc.z.abs() < 1.0, "{ndc}");
+        }
+    }
+
+    #[test]
     fn impossible_cameras_are_refused() {
         let lens = Lens::Perspective { fov_y_radians: 0.8 };
         let eye = dvec3(0.0, 1.0, 2.0);
@@ -249,6 +265,7 @@ mod tests {
             (Camera::new(eye, DVec3::ZERO, eye, lens), "line of sight"),
             (Camera::new(eye, DVec3::ZERO, DVec3::ZERO, lens), "up"),
             (Camera::new(eye * f64::NAN, DVec3::ZERO, DVec3::Y, lens), "eye"),
+            (Camera::new(eye * 1e200, DVec3::ZERO, DVec3::Y, lens), "eye"),
             (
                 Camera::new(eye, DVec3::ZERO, DVec3::Y, Lens::Perspective { fov_y_radians: 3.2 }),
                 "180",

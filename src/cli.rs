@@ -5,7 +5,7 @@ mod output;
 mod render;
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use freeform_surface::{Backend, Error, Scene, TessLevel};
@@ -50,13 +50,13 @@ struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = level, allow_negative_numbers = true)]
     level: Option<TessLevel>,
 
-    /// Draw lines instead of filled triangles.
-    #[arg(long)]
-    wireframe: bool,
+    /// Draw lines instead of filled triangles; "--wireframe=false" where the scene wants lines.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    wireframe: Option<bool>,
 
-    /// Show the control points as blue squares.
-    #[arg(long)]
-    control_points: bool,
+    /// Show the control points as blue squares; "--control-points=false" hides them.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    control_points: Option<bool>,
 
     /// Where the OpenGL context comes from: auto, egl or osmesa.
     #[arg(long, value_name = "BACKEND", default_value_t)]
@@ -90,8 +90,34 @@ fn level(text: &str) -> Result<TessLevel, String> {
 }
 
 /// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
-fn say(line: impl std::fmt::Display) {
-    let _ = writeln!(std::io::stdout(), "{line}");
+fn say(line: impl std::fmt::Display) -> Result<(), Error> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::File {
+            action: "write",
+            path: "standard output".into(),
+            reason: error.to_string(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+impl Arguments {
+    /// Reads the command line. Wrong usage is one line on standard error and status 2.
+    pub(crate) fn read() -> Self {
+        Self::try_parse().unwrap_or_else(|error| {
+            if !error.use_stderr() {
+                error.exit();
+            }
+            // The first paragraph says what is wrong, the others how usage looks.
+            let text = error.to_string();
+            let what: Vec<&str> =
+                text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+            let what = what.join(" ");
+            let what = what.strip_prefix("error: ").unwrap_or(&what);
+            eprintln!("freeform: {what}; see freeform --help");
+            std::process::exit(2);
+        })
+    }
 }
 
 /// Does what the arguments ask for.
@@ -116,11 +142,22 @@ fn default_scene() -> Result<(), Error> {
     let output = Output::File("freeform.png".into());
     let mut job = Job::new(Backend::Auto, (1000, 600))?;
     job.render(&Scene::listing16(), &output)?;
-    say("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on");
-    say(job.driver());
-    say("\nNext:");
-    say("  freeform render resources/scenes/thesis/*.toml -o out/   the figures of the thesis");
-    say("  freeform render resources/surfaces/teapot.bpt            the Utah teapot");
-    say("  freeform render --help                                   levels, wireframe, sizes");
+    say("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on")?;
+    say(job.driver())?;
+    // Cargo puts no `freeform` on the path.
+    let freeform =
+        if std::env::var_os("CARGO").is_some() { "cargo run --release --" } else { "freeform" };
+    say("\nNext:")?;
+    if Path::new("resources/scenes/thesis").is_dir() {
+        say(format_args!(
+            "  {freeform} render resources/scenes/thesis/*.toml -o out/   the figures of the thesis"
+        ))?;
+        say(format_args!(
+            "  {freeform} render resources/surfaces/teapot.bpt            the Utah teapot"
+        ))?;
+    }
+    say(format_args!(
+        "  {freeform} render --help                                   levels, wireframe, sizes"
+    ))?;
     Ok(())
 }

@@ -4,13 +4,11 @@ mod cli;
 
 use std::process::ExitCode;
 
-use clap::Parser as _;
-
 fn main() -> ExitCode {
-    let arguments = cli::Arguments::parse();
-    env_logger::Builder::from_env(env_logger::Env::default().default_filter_or("warn"))
-        .format_timestamp(None)
-        .init();
+    let arguments = cli::Arguments::read();
+    // The driver's complaints come with the error of the picture that they belong to.
+    let filter = env_logger::Env::default().default_filter_or("warn,freeform_surface::gpu=off");
+    env_logger::Builder::from_env(filter).format_timestamp(None).init();
     match cli::run(&arguments) {
         Ok(()) => ExitCode::SUCCESS,
         Err(errors) => {

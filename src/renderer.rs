@@ -89,6 +89,7 @@ impl Renderer {
             self.gl.clear_color(red, green, blue, alpha);
             self.gl.clear_depth_f64(1.0);
             self.gl.depth_mask(true);
+            self.gl.disable(glow::RASTERIZER_DISCARD);
             self.gl.clear(glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT);
         }
     }

@@ -4,7 +4,8 @@ mod bpt;
 mod document;
 mod texture;
 
-use std::path::Path;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3, DVec4, dvec2, dvec3};
@@ -24,6 +25,8 @@ const MAX_FILE_BYTES: u64 = 64 << 20;
 /// Surfaces, how they are drawn, and the camera that sees them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
+    /// Every file that it was read from: its own, those of patches and of pictures.
+    pub files: Vec<PathBuf>,
     /// The camera; without one the scene is framed from the front.
     pub camera: Option<Camera>,
     /// The axis that stands upright when the scene is framed.
@@ -238,14 +241,15 @@ impl Scene {
     /// # Errors
     /// A file that cannot be read, is of another kind, or does not describe a scene; with the line.
     pub fn load(path: &Path) -> Result<Self> {
-        let text = read_text(path)?;
         match extension(path).as_str() {
-            "toml" => document::parse(&text, path),
-            "bpt" => bpt::parse(&text, path).map(Self::of_patches),
-            other => Err(Error::File {
-                action: "read",
-                path: path.to_owned(),
-                reason: format!("a scene is a .toml or .bpt file, not \"{other}\""),
+            "toml" => Self::from_toml(&read_text(path)?, path),
+            "bpt" => Self::from_bpt(&read_text(path)?, path),
+            // What is not there at all is said first.
+            other => Err(match std::fs::metadata(path) {
+                Err(error) => unreadable(path, error),
+                Ok(_) => {
+                    unreadable(path, format!("a scene is a .toml or .bpt file, not \"{other}\""))
+                }
             }),
         }
     }
@@ -264,7 +268,7 @@ impl Scene {
     /// # Errors
     /// Text that is no list of Bézier patches of degree 3 or 4; with the line.
     pub fn from_bpt(text: &str, path: &Path) -> Result<Self> {
-        bpt::parse(text, path).map(Self::of_patches)
+        bpt::parse(text, path).map(|surfaces| Self::of_patches(surfaces, path))
     }
 
     /// The scene of listing 16: the default surface with its four inner points raised, a round hole
@@ -284,6 +288,7 @@ impl Scene {
         let hole = Circle::new(dvec2(0.5, 0.5), 0.2).expect("a fixed circle");
         surface.trims.circles.push(hole);
         Self {
+            files: Vec::new(),
             camera: None,
             up: DVec3::Y,
             settings: RenderSettings::default(),
@@ -291,8 +296,9 @@ impl Scene {
         }
     }
 
-    fn of_patches(surfaces: Vec<Surface>) -> Self {
-        Self { camera: None, up: DVec3::Z, settings: RenderSettings::default(), surfaces }
+    fn of_patches(surfaces: Vec<Surface>, path: &Path) -> Self {
+        let files = vec![path.to_owned()];
+        Self { files, camera: None, up: DVec3::Z, settings: RenderSettings::default(), surfaces }
     }
 
     /// The matrices of a picture of so many pixels.
@@ -325,21 +331,33 @@ fn extension(path: &Path) -> String {
     path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
+fn unreadable(path: &Path, reason: impl ToString) -> Error {
+    Error::File { action: "read", path: path.to_owned(), reason: reason.to_string() }
+}
+
 /// The text of a scene file, refused by name if it is no file, too large, empty or no UTF-8.
 fn read_text(path: &Path) -> Result<String> {
-    let fail = |reason: String| Error::File { action: "read", path: path.to_owned(), reason };
-    let metadata = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?;
+    let fail = |reason: String| unreadable(path, reason);
+    let metadata = std::fs::metadata(path).map_err(|error| unreadable(path, error))?;
     if metadata.is_dir() {
         return Err(fail("it is a folder, expected a file".into()));
     }
-    if metadata.len() > MAX_FILE_BYTES {
-        let (size, most) = (metadata.len(), MAX_FILE_BYTES);
-        return Err(fail(format!("{size} bytes; a scene has at most {most}")));
+    if !metadata.is_file() {
+        return Err(fail("it is a pipe or a device, expected a file".into()));
     }
-    let bytes = std::fs::read(path).map_err(|error| fail(error.to_string()))?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    let mut bytes = Vec::new();
+    std::fs::File::open(path)
+        .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| unreadable(path, error))?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(fail(format!("it has more than {MAX_FILE_BYTES} bytes")));
+    }
+    let mut text = String::from_utf8(bytes).map_err(|error| {
         fail(format!("it is not text (byte {})", error.utf8_error().valid_up_to()))
     })?;
+    if text.starts_with('\u{feff}') {
+        text.drain(..'\u{feff}'.len_utf8());
+    }
     if text.trim().is_empty() {
         return Err(fail("it is empty".into()));
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec4};
 
-use crate::bezier::homogeneous;
+use crate::bezier::{check_coordinates, homogeneous};
 use crate::gpu::{Buffer, Program, Texture};
 use crate::renderer::programs::{TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location};
 use crate::renderer::{Frame, Renderer};
@@ -100,10 +100,10 @@ impl FreeFormSurface {
     /// Places the surface in the world.
     ///
     /// # Errors
-    /// A matrix that is not finite.
+    /// A matrix that is not finite, or with numbers beyond 1e15.
     pub fn set_model_matrix(&mut self, matrix: DMat4) -> Result<()> {
-        if !matrix.is_finite() {
-            return Err(Error::invalid("model matrix", matrix, "finite numbers"));
+        for column in matrix.to_cols_array_2d() {
+            check_coordinates("model matrix", DVec4::from(column).truncate())?;
         }
         self.surface.transform = matrix;
         Ok(())

@@ -205,6 +205,10 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
     assert!(stage.shows(&mut surface, corner));
     surface.set_specific_control_point(dvec3(0.0, 0.0, 0.0), 0).unwrap();
     assert!(!stage.shows(&mut surface, corner));
+    let far_corner = dvec2(0.98, 0.98);
+    assert!(stage.shows(&mut surface, far_corner));
+    surface.set_specific_control_point(dvec3(0.0, 0.0, 0.0), 15).unwrap();
+    assert!(!stage.shows(&mut surface, far_corner));
     let before = stage.picture(&mut surface);
 
     for (result, words) in [
@@ -230,6 +234,10 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
         let text = result.unwrap_err().to_string();
         assert!(words.iter().all(|word| text.contains(word)), "{text}");
     }
+    // Inside the box of the outer loop's control points, but not inside the loop.
+    let [a, b, c, d] = lens(0.05, 0.05).map(|p| p + dvec2(-0.24, 0.38));
+    let beside: Vec<DVec2> = lens(0.3, 0.44).into_iter().chain([a, b, c, d]).collect();
+    assert!(surface.set_nested_bezier_curve_trimming(beside.try_into().unwrap()).is_err());
     let outside: Vec<DVec2> = lens(0.2, 0.1).into_iter().chain(lens(0.3, 0.1)).collect();
     let text = surface.set_nested_bezier_curve_trimming(outside.try_into().unwrap()).unwrap_err();
     assert!(text.to_string().contains("inner loop"), "{text}");

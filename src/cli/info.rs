@@ -21,7 +21,7 @@ pub(super) fn print(backend: Backend) -> Result<()> {
         ("largest texture", format!("{0} × {0} texels", info.max_texture_size)),
         ("samples a pixel", info.max_samples.to_string()),
     ] {
-        say(format_args!("{name:36} {value}"));
+        say(format_args!("{name:36} {value}"))?;
     }
     Ok(())
 }

@@ -48,6 +48,10 @@ impl Output {
                 };
             }
             Some(path) => {
+                if scenes.len() > 1 && is_png(path) && !path.is_dir() {
+                    let name = format!("{} for several scenes", path.display());
+                    return Err(Error::invalid("output", name, "a folder, or a single scene"));
+                }
                 let ends_as_folder = path.to_string_lossy().ends_with(std::path::is_separator);
                 if scenes.len() == 1 && !ends_as_folder && !path.is_dir() {
                     return single(path).map(|output| vec![output]);
@@ -85,6 +89,21 @@ impl Output {
             .collect()
     }
 
+    /// Refuses to write over a file that the scene was read from.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub(super) fn check_keeps(&self, files: &[PathBuf]) -> Result<()> {
+        let Self::File(path) = self else { return Ok(()) };
+        let Ok(place) = path.canonicalize() else { return Ok(()) };
+        let is_source = |file: &PathBuf| file.canonicalize().is_ok_and(|file| file == place);
+        if files.iter().any(is_source) {
+            let name = format!("{}, which the scene was read from", path.display());
+            return Err(Error::invalid("output", name, "another file: see --output"));
+        }
+        Ok(())
+    }
+
     /// Writes a picture; without transparent pixels it has no alpha channel.
     ///
     /// # Errors
@@ -107,9 +126,12 @@ impl Output {
     }
 }
 
+fn is_png(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
 fn single(path: &Path) -> Result<Output> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    if extension != "png" {
+    if !is_png(path) {
         return Err(Error::invalid(
             "output",
             path.display(),
@@ -137,6 +159,8 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
 
 /// Writes beside `path` and renames.
 fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    // A link stays a link: its target is replaced.
+    let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.part", std::process::id()));
@@ -176,6 +200,7 @@ mod tests {
             (&["x.toml", "y.toml"][..], Some("-"), "several scenes"),
             (&["x.toml"][..], Some("x.jpg"), ".png"),
             (&["x.toml"][..], Some("x"), ".png"),
+            (&["x.toml", "y.toml"][..], Some("both.png"), "a folder"),
         ] {
             let text = plan(scenes, output).unwrap_err().to_string();
             assert!(text.contains(word), "{text}");
@@ -194,6 +219,17 @@ mod tests {
         assert_eq!(image::open(&path).unwrap().into_rgba8(), clear);
         let files = std::fs::read_dir(folder.path()).unwrap().count();
         assert_eq!(files, 1);
+
+        let link = folder.path().join("link.png");
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(&path, &link).unwrap();
+            Output::File(link.clone()).write(&opaque).unwrap();
+            assert!(link.is_symlink());
+            assert_eq!(image::open(&path).unwrap().into_rgba8(), opaque);
+        }
+        assert!(output.check_keeps(&[folder.path().join("other.png")]).is_ok());
+        assert!(output.check_keeps(&[link]).unwrap_err().to_string().contains("read from"));
 
         let missing = Output::File(folder.path().join("no/x.png"));
         assert!(missing.write(&opaque).unwrap_err().to_string().contains("no/x.png"));

@@ -28,10 +28,13 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
     let mut errors = Vec::new();
     for (path, output) in arguments.scenes.iter().zip(outputs) {
         bar.set_message(path.display().to_string());
-        let done = job.load(path, arguments).and_then(|scene| job.render(&scene, output));
+        let done = job.load(path, arguments).and_then(|scene| {
+            output.check_keeps(&scene.files)?;
+            job.render(&scene, output)
+        });
         match done {
             Ok(()) if *output == Output::Standard => {}
-            Ok(()) => bar.suspend(|| say(format_args!("wrote {output}"))),
+            Ok(()) => errors.extend(bar.suspend(|| say(format_args!("wrote {output}"))).err()),
             Err(error) => errors.push(error),
         }
         bar.inc(1);
@@ -89,8 +92,8 @@ impl Job {
         let mut scene = Scene::load(path)?;
         let settings = &mut scene.settings;
         settings.level = arguments.level.unwrap_or(settings.level);
-        settings.wireframe |= arguments.wireframe;
-        settings.control_points |= arguments.control_points;
+        settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
+        settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
         self.load = start.elapsed();
         Ok(scene)
     }
@@ -112,6 +115,8 @@ impl Job {
         let (width, height) = self.target.size();
         let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
         let gl = self.context.gl();
+        // What an earlier picture left behind is not this one's fault.
+        let _ = self.context.debug_log().take_errors();
         let start = Instant::now();
         let mut prepared = PreparedScene::new(&self.renderer, scene)?;
         gpu::finish(gl);

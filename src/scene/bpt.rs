@@ -21,6 +21,8 @@ enum Dialect {
 struct Fault {
     value: usize,
     message: String,
+    /// Values that would be needed to read on.
+    missing: usize,
 }
 
 /// Surfaces of the patches in file order; neighbours of one degree share a surface.
@@ -39,6 +41,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
             word.parse().map_err(|_| Fault {
                 value,
                 message: format!("\"{}\" is no number", shortened(word)),
+                missing: 0,
             })
         })
         .collect()
@@ -60,29 +63,21 @@ fn line_of_value(text: &str, value: usize) -> usize {
 fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
     let patches = match (walk(values, Dialect::Degrees), walk(values, Dialect::Counts)) {
         (Ok(patches), _) | (Err(_), Ok(patches)) => patches,
-        // Neither fits: tell of the dialect in which the first patch makes sense.
+        // Neither fits: tell of the dialect that reads further, or lacks less of the last patch.
         (Err(degrees), Err(counts)) => {
-            let first_is_count = values.get(1).is_some_and(|first| *first >= 5.0);
-            return Err(if first_is_count { counts } else { degrees });
+            let further = (degrees.value, std::cmp::Reverse(degrees.missing))
+                >= (counts.value, std::cmp::Reverse(counts.missing));
+            return Err(if further { degrees } else { counts });
         }
     };
     let mut surfaces: Vec<(Degree, Vec<DVec4>)> = Vec::new();
-    for PatchValues { sides, start } in patches {
-        let degree = match sides {
-            [4, 4] => Degree::Cubic,
-            [5, 5] => Degree::Quartic,
-            [u, v] => {
-                return Err(Fault {
-                    value: start,
-                    message: format!("a patch of {u}×{v} points; expected 4×4 or 5×5"),
-                });
-            }
-        };
+    for PatchValues { degree, start } in patches {
         let points = &values[start..start + 3 * degree.points()];
         if let Some(bad) = points.iter().position(|value| !value.is_finite()) {
             return Err(Fault {
                 value: start + bad,
                 message: format!("a coordinate is {}; expected a finite number", points[bad]),
+                missing: 0,
             });
         }
         if surfaces.last().is_none_or(|(last, _)| *last != degree) {
@@ -94,21 +89,24 @@ fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
     surfaces
         .into_iter()
         .map(|(degree, points)| {
-            Surface::new(degree, points)
-                .map_err(|error| Fault { value: 0, message: error.to_string() })
+            Surface::new(degree, points).map_err(|error| Fault {
+                value: 0,
+                message: error.to_string(),
+                missing: 0,
+            })
         })
         .collect()
 }
 
-/// A patch's points along u and v, and the number of its first coordinate.
+/// A patch's degree and the number of its first coordinate.
 struct PatchValues {
-    sides: [usize; 2],
+    degree: Degree,
     start: usize,
 }
 
 /// The patches if the whole file reads in this dialect.
 fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
-    let fault = |value, message: String| Err(Fault { value, message });
+    let fault = |value, message: String| Err(Fault { value, message, missing: 0 });
     let Some(count) = values.first().copied().and_then(whole) else {
         return fault(0, "expected the number of patches, a whole number above 0".into());
     };
@@ -129,20 +127,26 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
         };
         let extra = usize::from(dialect == Dialect::Degrees);
         let sides = [first.saturating_add(extra), second.saturating_add(extra)];
+        let degree = match sides {
+            [4, 4] => Degree::Cubic,
+            [5, 5] => Degree::Quartic,
+            [u, v] => {
+                let message = format!("patch {patch} has {u}×{v} points; expected 4×4 or 5×5");
+                return fault(next, message);
+            }
+        };
         let start = next + 2;
-        let coordinates = sides[0].saturating_mul(sides[1]).saturating_mul(3);
-        if coordinates > values.len() - start {
-            return fault(
-                values.len(),
-                format!(
-                    "patch {patch} has {}×{} points, but the file ends after {} of its {coordinates} coordinates",
-                    sides[0],
-                    sides[1],
-                    values.len() - start,
-                ),
+        let coordinates = 3 * degree.points();
+        let there = values.len() - start;
+        if coordinates > there {
+            let message = format!(
+                "patch {patch} has {} points, but the file ends after {there} of its {coordinates} \
+                 coordinates",
+                degree.points(),
             );
+            return Err(Fault { value: values.len(), message, missing: coordinates - there });
         }
-        patches.push(PatchValues { sides, start });
+        patches.push(PatchValues { degree, start });
         next = start + coordinates;
     }
     if next < values.len() {
@@ -209,7 +213,9 @@ mod tests {
             ("0", ["x.bpt:1:", "above 0"]),
             ("-3", ["x.bpt:1:", "above 0"]),
             ("1.5", ["x.bpt:1:", "whole"]),
-            (&text("1", &[("1 1", 4)]), ["x.bpt:3:", "2×2 points; expected 4×4 or 5×5"]),
+            (&text("1", &[("1 1", 4)]), ["x.bpt:2:", "2×2 points; expected 4×4 or 5×5"]),
+            (&text("1", &[("4 4", 15)]), ["x.bpt:17:", "ends after 45 of its 48"]),
+            (&text("1", &[("4 4", 24)]), ["x.bpt:26:", "ends after 72 of its 75"]),
             (&text("1", &[("3 3", 16)]).replace("3 3 0.5", "3 nan 0.5"), ["x.bpt:18:", "NaN"]),
             ("1 1e300 1e300 1", ["x.bpt:1:", "two degrees"]),
         ] {

@@ -14,6 +14,7 @@ use super::{
     Image, Paint, RenderSettings, Scene, Shading, Surface, TessLevel, bpt, default_control_points,
     line_of, load_texture, read_text,
 };
+use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
 use crate::{
     Camera, Circle, Degree, Ellipse, Error, Interval, Newton, NewtonTrims, Result, Segment,
@@ -184,7 +185,8 @@ const MAX_SURFACE_BYTES: usize = 256 << 10;
 /// Each `[[surface]]` is parsed by itself, so that the memory grows with the largest of them and not
 /// with the file.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
-    let mut builder = Builder { text, path, chunk: 0, textures: HashMap::new() };
+    let files = vec![path.to_owned()];
+    let mut builder = Builder { text, path, chunk: 0, textures: HashMap::new(), files };
     let mut camera = None;
     let mut settings = None;
     let mut surfaces = Vec::new();
@@ -202,7 +204,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
-    Ok(Scene { camera, up: DVec3::Y, settings: settings.unwrap_or_default(), surfaces })
+    let settings = settings.unwrap_or_default();
+    Ok(Scene { files: builder.files, camera, up: DVec3::Y, settings, surfaces })
 }
 
 /// The text before the first line `[[surface]]`, then from each such line to the next.
@@ -226,6 +229,7 @@ struct Builder<'a> {
     /// Where the part begins that is parsed now; spans count from there.
     chunk: usize,
     textures: HashMap<PathBuf, Arc<Image>>,
+    files: Vec<PathBuf>,
 }
 
 impl Builder<'_> {
@@ -291,7 +295,9 @@ impl Builder<'_> {
             (Some(points), None) => vec![self.check(points, surface_of_points)?],
             (None, Some(file)) => {
                 let path = self.beside_scene(file.get_ref());
-                self.check(file, |_| bpt::parse(&read_text(&path)?, &path))?
+                let surfaces = self.check(file, |_| bpt::parse(&read_text(&path)?, &path))?;
+                self.files.push(path);
+                surfaces
             }
             _ => {
                 let choice = Error::invalid(
@@ -342,7 +348,8 @@ impl Builder<'_> {
                     return Ok(Paint::Texture(Arc::clone(image)));
                 }
                 let image = Arc::new(self.check(texture, |_| load_texture(&path))?);
-                self.textures.insert(path, Arc::clone(&image));
+                self.textures.insert(path.clone(), Arc::clone(&image));
+                self.files.push(path);
                 Ok(Paint::Texture(image))
             }
             (Some(texture), _) => self.check(texture, |name| {
@@ -421,12 +428,10 @@ fn transform(
     let rotate = DVec3::from(rotate_degrees.unwrap_or_default());
     let scale = scale.unwrap_or(1.0);
     for (name, vector) in [("translate", translate), ("rotate_degrees", rotate)] {
-        if !vector.is_finite() {
-            return Err(Error::invalid(name, vector, "finite numbers"));
-        }
+        check_coordinates(name, vector)?;
     }
-    if !(scale.is_finite() && scale != 0.0) {
-        return Err(Error::invalid("scale", scale, "a finite number other than 0"));
+    if !(scale != 0.0 && scale.abs() <= MAX_COORDINATE) {
+        return Err(Error::invalid("scale", scale, "a number other than 0, at most 1e15"));
     }
     let radians = rotate.map(f64::to_radians);
     Ok(DMat4::from_translation(translate)

@@ -10,18 +10,21 @@ use crate::{Error, Result};
 
 /// The width and height that every OpenGL 4.5 driver can hold in a texture.
 const MAX_SIDE: u32 = 16_384;
-/// The most bytes a picture may need while it is decoded: one of 16,384² pixels.
-const MAX_BYTES: u64 = 4 * MAX_SIDE as u64 * MAX_SIDE as u64;
+/// The most pixels: 256 MiB in memory. A small file can hold a picture that fills any memory.
+const MAX_PIXELS: u64 = 64 << 20;
+/// What decoding may need besides: 16 bits for each of four channels.
+const MAX_BYTES: u64 = 8 * MAX_PIXELS;
 
 /// Reads a picture.
 ///
 /// # Errors
 /// A file that cannot be read, is no PNG, JPEG or BMP picture, or is larger than 16,384 pixels a
-/// side.
+/// side or 64 million in all.
 pub fn load_texture(path: &Path) -> Result<Image> {
     let fail = |reason: String| Error::File { action: "read", path: path.to_owned(), reason };
-    if path.is_dir() {
-        return Err(fail("it is a folder, expected a picture".into()));
+    let metadata = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?;
+    if !metadata.is_file() {
+        return Err(fail("it is a folder or a device, expected a picture".into()));
     }
     let open = || -> std::io::Result<ImageReader<BufReader<std::fs::File>>> {
         ImageReader::open(path)?.with_guessed_format()
@@ -34,6 +37,10 @@ pub fn load_texture(path: &Path) -> Result<Image> {
         return Err(fail(format!(
             "it has {width} × {height} pixels; a texture has 1 to {MAX_SIDE} a side"
         )));
+    }
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
+        return Err(fail(format!("it has {pixels} pixels; a texture has at most {MAX_PIXELS}")));
     }
     let mut reader = open().map_err(|error| fail(error.to_string()))?;
     let mut limits = Limits::default();
