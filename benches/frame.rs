@@ -37,6 +37,7 @@ fn scene(patches: usize, level: u32, wireframe: bool) -> Scene {
         .collect();
     let mut surface = Surface::new(Degree::Cubic, points).expect("whole patches");
     surface.paint = single.paint;
+    surface.trims = single.trims;
     surface.transform = single.transform;
     scene.surfaces.push(surface);
     scene
@@ -79,10 +80,19 @@ impl StaticMesh {
             },
             Stage {
                 kind: StageKind::Fragment,
-                parts: vec![part("surface.frag", include_str!("../glsl/thesis/surface.frag"))],
+                parts: vec![
+                    part("trim.glsl", include_str!("../glsl/thesis/trim.glsl")),
+                    part("surface.frag", include_str!("../glsl/thesis/surface.frag")),
+                ],
             },
         ];
-        let program = Program::new(gl, "static mesh", &[("PHONG", 1)], &stages).expect("it links");
+        let program = Program::new(
+            gl,
+            "static mesh",
+            &[("PHONG", 1), ("TRIMMED", 1), ("CIRCLES", 1)],
+            &stages,
+        )
+        .expect("it links");
         let Paint::Texture(image) = &surface.paint else { unreachable!("the scene has bricks") };
         let texture = Texture::new(gl, "bricks", image).expect("the bricks fit");
         // SAFETY: the context is current; the objects are new, filled and described as they are.
@@ -125,6 +135,10 @@ impl StaticMesh {
         self.program.set_mat4(location::MODEL, &scene.surfaces[0].transform.as_mat4());
         self.program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
         self.program.set_mat4(location::PROJECTION, &frame.projection.projection.as_mat4());
+        let circle = &scene.surfaces[0].trims.circles[0];
+        self.program.set_i32(location::CIRC_BOOL, 1);
+        self.program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());
+        self.program.set_f32(location::TRIM_RADIUS, circle.radius as f32);
         self.texture.bind(0);
         let mode = if frame.settings.wireframe { glow::LINE } else { glow::FILL };
         // SAFETY: the context is current; the element buffer holds `count` indices of vertices.

@@ -4,9 +4,12 @@
 //! Freiformflächen*, Koblenz 2018): patches of 4×4 control points, cut by circles, intervals,
 //! ellipses and Bézier curves in the fragment stage; and of a report's renderer of 5×5 points. With
 //! it come headless contexts, a scene format, and a renderer on the CPU in `f64` that tells whether
-//! the GPU's pictures are right.
+//! the GPU's pictures are right ([`reference`]).
 //!
-//! ```no_run
+//! With the feature `headless`:
+//!
+#![cfg_attr(feature = "headless", doc = "```no_run")]
+#![cfg_attr(not(feature = "headless"), doc = "```ignore")]
 //! use freeform_surface::{Backend, Frame, Headless, PreparedScene, Renderer, Scene};
 //! use freeform_surface::gpu::Framebuffer;
 //!

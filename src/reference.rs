@@ -1,5 +1,7 @@
-//! A renderer on the CPU in `f64` that shares nothing with the shaders: it makes the pictures that
-//! the tests compare with.
+//! A renderer on the CPU in `f64`: it makes the pictures that the tests compare with. It shares no
+//! evaluation, trimming, light or rasterisation with the shaders; what it shares with the GPU's
+//! renderer is what both are given: the scene, the camera's matrices, the sorting of loops into the
+//! thesis' forms, and into how many parts a patch is cut.
 //!
 //! It cuts patches into the same triangles at the same level, because that is what a picture at a
 //! level shows. OpenGL leaves open which diagonal a square of the tessellation gets; here it is the

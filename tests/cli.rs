@@ -265,6 +265,16 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
             ),
             &["line, line", "two quadratics or two cubics"],
         ),
+        (
+            surface("control_points = \"default\"\n\n[[surface]]\ncontrol_points = \"no\""),
+            &[":5:", "default"],
+        ),
+        (
+            surface(
+                "control_points = \"default\"\n[[surface]]\ncontrol_points = \"default\"\nscale = inf",
+            ),
+            &[":3:", "scale is inf"],
+        ),
         ("surface = []".into(), &[":1:", "at least one [[surface]]"]),
     ] {
         // A scene needs a surface; it stands last, so that lines count from the fault.

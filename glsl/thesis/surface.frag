@@ -50,7 +50,8 @@ void main()
 #if defined(PHONG)
     fragmentColor = vec4(lit(diffuseColor), 1.0);
 #elif defined(NORMALS)
-    fragmentColor = vec4(0.5 * normalize(passNormal) + 0.5, 1.0);
+    float size = length(passNormal);
+    fragmentColor = vec4(0.5 * (size > 0.0 ? passNormal / size : vec3(0.0)) + 0.5, 1.0);
 #else
     fragmentColor = vec4(diffuseColor, 1.0);
 #endif

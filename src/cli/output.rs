@@ -214,8 +214,18 @@ mod tests {
         let output = Output::File(path.clone());
         let opaque = Image::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
         output.write(&opaque).unwrap();
+        // Another name of the old file keeps the old picture: nothing was written into it.
+        let old = folder.path().join("old.png");
+        std::fs::hard_link(&path, &old).unwrap();
         let clear = Image::from_pixel(3, 2, image::Rgba([1, 2, 3, 0]));
         output.write(&clear).unwrap();
+        assert_eq!(image::open(&old).unwrap().into_rgba8(), opaque);
+        std::fs::remove_file(&old).unwrap();
+        // What cannot be put in its place leaves nothing beside it.
+        let in_the_way = folder.path().join("folder.png");
+        std::fs::create_dir(&in_the_way).unwrap();
+        assert!(Output::File(in_the_way.clone()).write(&clear).is_err());
+        std::fs::remove_dir(&in_the_way).unwrap();
         assert_eq!(image::open(&path).unwrap().into_rgba8(), clear);
         let files = std::fs::read_dir(folder.path()).unwrap().count();
         assert_eq!(files, 1);

@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock};
 
 use freeform_surface::gpu::Framebuffer;
 use freeform_surface::renderer::programs::Sources;
@@ -31,19 +32,25 @@ pub fn load(path: &Path) -> Scene {
     Scene::load(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The backends to test: those that `FREEFORM_TEST_BACKENDS` names, as continuous integration does;
-/// otherwise EGL, and OSMesa where its library is installed, which newer distributions do not have.
+/// The backends to test: those that `FREEFORM_TEST_BACKENDS` names, as `check.sh` and continuous
+/// integration do; otherwise EGL, and OSMesa where it works, which newer distributions do not have.
 pub fn backends() -> Vec<Backend> {
-    if let Ok(names) = std::env::var("FREEFORM_TEST_BACKENDS") {
-        return names.split(',').map(|name| name.parse().expect("a backend's name")).collect();
-    }
-    match Headless::new(Backend::Osmesa) {
-        Err(error) if error.to_string().contains("is installed") => {
-            eprintln!("OSMesa is left out: {error}");
-            vec![Backend::Egl]
+    static BACKENDS: OnceLock<Vec<Backend>> = OnceLock::new();
+    let find = || {
+        if let Ok(names) = std::env::var("FREEFORM_TEST_BACKENDS") {
+            return names.split(',').map(|name| name.parse().expect("a backend's name")).collect();
         }
-        _ => vec![Backend::Egl, Backend::Osmesa],
-    }
+        // On a thread of its own: a new context would take the place of the caller's.
+        let probe = std::thread::spawn(|| Headless::new(Backend::Osmesa).map(drop));
+        match probe.join().expect("a probe") {
+            Ok(()) => vec![Backend::Egl, Backend::Osmesa],
+            Err(error) => {
+                eprintln!("OSMesa is left out: {error}");
+                vec![Backend::Egl]
+            }
+        }
+    };
+    BACKENDS.get_or_init(find).clone()
 }
 
 /// A context that fails the test when the driver complained of anything.
@@ -197,6 +204,9 @@ fn write_failure(
 
 /// The stored reference picture of that name. With `UPDATE_REFERENCES=1` it is written first.
 pub fn stored_reference(name: &str, picture: &Image) -> Image {
+    // Tests of both backends read what one of them may be writing.
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock();
     let path = root().join("tests/references").join(name).with_extension("png");
     if std::env::var_os("UPDATE_REFERENCES").is_some_and(|value| value == "1") {
         picture.save(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
