@@ -122,6 +122,19 @@ fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {
     made.map_err(|reason| Error::Driver { what: what.to_owned(), reason })
 }
 
+/// The two sides of a picture as the driver counts them.
+fn checked_size(name: &str, (width, height): (u32, u32), most: i32) -> Result<[i32; 2]> {
+    let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=most).contains(size));
+    match (side(width), side(height)) {
+        (Some(width), Some(height)) => Ok([width, height]),
+        _ => Err(Error::invalid(
+            name,
+            format!("{width}x{height}"),
+            format!("1 to {most} pixels a side with this driver"),
+        )),
+    }
+}
+
 /// The driver counts in `i32`.
 fn size_i32(what: &str, size: usize) -> Result<i32> {
     i32::try_from(size).map_err(|_| Error::Driver {

@@ -4,7 +4,7 @@
 //! Freiformflächen*, Koblenz 2018): patches of 4×4 control points, cut by circles, intervals,
 //! ellipses and Bézier curves in the fragment stage; and of a report's renderer of 5×5 points. With
 //! it come headless contexts, a scene format, and a renderer on the CPU in `f64` that tells whether
-//! the GPU's pictures are right ([`reference`]).
+//! the GPU's pictures are right ([`mod@reference`]).
 //!
 //! With the feature `headless`:
 //!

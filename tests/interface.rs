@@ -188,14 +188,14 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
 
     let unlinked = Sources::default().with_edit(
         "thesis/surface.frag",
-        "in vec3 passNormal",
-        "in vec4 passNormal",
+        "in vec3 passNormal;",
+        "in vec3 missing;\n#define passNormal missing",
     );
     let key = ProgramKey { trims: TrimFeatures::default(), ..key };
     let Err(Error::Shader { what, log }) = unlinked.link(context.gl(), key) else {
         panic!("the stages do not fit")
     };
     assert!(what.contains("linking") && what.contains("thesis surface"), "{what}");
-    assert!(log.contains("passNormal"), "{log}");
+    assert!(log.contains("missing"), "{log}");
     let _ = context.debug_log().take_errors();
 }

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
 
-use super::{create, transfer_plainly};
+use super::{DriverInfo, checked_size, create, transfer_plainly};
 use crate::{Error, Image, Result};
 
 /// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
@@ -29,16 +29,8 @@ impl Framebuffer {
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
     pub fn new(gl: &Arc<glow::Context>, width: u32, height: u32) -> Result<Self> {
-        let most = super::DriverInfo::of(gl).max_size;
-        let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=most).contains(size));
-        let (Some(gl_width), Some(gl_height)) = (side(width), side(height)) else {
-            return Err(Error::invalid(
-                "resolution",
-                format!("{width}x{height}"),
-                format!("1 to {most} pixels a side with this driver"),
-            ));
-        };
-        let size = [gl_width, gl_height];
+        let most = DriverInfo::of(gl).max_size;
+        let size = checked_size("resolution", (width, height), most)?;
         let color = Renderbuffer::new(gl, "picture", glow::RGBA8, size)?;
         let depth = Renderbuffer::new(gl, "depth", glow::DEPTH_COMPONENT32F, size)?;
         // SAFETY: the context is current (see the module); the framebuffer is new and ours, and

@@ -3,8 +3,8 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelUnpackData};
 
-use super::{create, size_i32, transfer_plainly};
-use crate::{Error, Image, Result};
+use super::{checked_size, create, size_i32, transfer_plainly};
+use crate::{Image, Result};
 
 /// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
 /// smaller levels for the distance, clamped to its edges.
@@ -25,17 +25,9 @@ impl Texture {
     /// # Errors
     /// A picture without pixels or larger than the driver's textures.
     pub fn new(gl: &Arc<glow::Context>, label: &str, image: &Image) -> Result<Self> {
-        let (width, height) = image.dimensions();
         // SAFETY: the context is current (see the module).
         let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
-        let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=most).contains(size));
-        let (Some(width), Some(height)) = (side(width), side(height)) else {
-            return Err(Error::invalid(
-                "texture size",
-                format!("{width} × {height}"),
-                format!("1 to {most} texels a side with this driver"),
-            ));
-        };
+        let [width, height] = checked_size("texture size", image.dimensions(), most)?;
         size_i32(label, image.len())?;
         let levels = 1 + width.max(height).ilog2();
         // SAFETY: the context is current (see the module); the texture is new and ours.
