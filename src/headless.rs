@@ -92,7 +92,7 @@ impl Headless {
         tried.map_err(|reason| {
             Error::Context(format!(
                 "no OpenGL 4.5 context without a display ({reason}); install a driver: on Debian and \
-                 Ubuntu, apt-get install libegl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
+                 Ubuntu, apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"
             ))
         })
     }

@@ -354,6 +354,22 @@ fn pipes_and_devices_are_no_scenes() {
 }
 
 #[test]
+fn without_a_driver_one_line_names_the_packages() {
+    let folder = Folder::new();
+    // EGL without any vendor's library finds no device.
+    let output = Command::new(env!("CARGO_BIN_EXE_freeform"))
+        .args(["info", "--backend", "egl"])
+        .env("__EGL_VENDOR_LIBRARY_DIRS", folder.0.path())
+        .env_remove("__EGL_VENDOR_LIBRARY_FILENAMES")
+        .output()
+        .unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert_eq!(said.trim_end().lines().count(), 1, "{said}");
+    assert!(said.contains("libegl1") && said.contains("libosmesa6"), "{said}");
+}
+
+#[test]
 fn one_bad_scene_does_not_stop_the_others() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
