@@ -76,11 +76,11 @@ impl Camera {
                 }
             }
             Lens::Orthographic { height } => {
-                if !(height > 0.0 && height <= MAX_COORDINATE) {
+                if !(1.0 / MAX_COORDINATE..=MAX_COORDINATE).contains(&height) {
                     return Err(Error::invalid(
                         "camera orthographic_height",
                         height,
-                        "a number above 0, at most 1e15",
+                        "a number above 0, from 1e-15 to 1e15",
                     ));
                 }
             }

@@ -34,11 +34,12 @@ pub struct Frame {
 ///
 /// The context must be current whenever the renderer or something made with it is used or dropped.
 ///
-/// The caller's framebuffer, viewport, scissor, colour mask, depth range and sRGB conversion hold for
-/// what is drawn. Drawing sets the rest that it needs, and leaves it so: depth test and function,
-/// depth mask, no blending, culling, stencil test or rasterizer discard, filled polygons, the patch
-/// size, the texture and sampler of unit 0, the storage buffers 1 and 2; no program and no vertex
-/// array are bound afterwards. Uploading a picture sets plain pixel transfers.
+/// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
+/// rasterizer discard or program point size; filled polygons; the patch size; the texture and sampler
+/// of unit 0; the storage buffers 1 and 2; no program and no vertex array. Uploading a picture sets
+/// plain pixel transfers. All other state is the caller's and holds for what is drawn: framebuffer,
+/// viewport, scissor, colour mask and logic operation, depth range and clip control, polygon offset,
+/// sample masks, sRGB conversion, the width of lines.
 pub struct Renderer {
     gl: Arc<glow::Context>,
     sources: Sources,

@@ -244,13 +244,11 @@ impl Scene {
         match extension(path).as_str() {
             "toml" => Self::from_toml(&read_text(path)?, path),
             "bpt" => Self::from_bpt(&read_text(path)?, path),
-            // What is not there at all is said first.
-            other => Err(match std::fs::metadata(path) {
-                Err(error) => unreadable(path, error),
-                Ok(_) => {
-                    unreadable(path, format!("a scene is a .toml or .bpt file, not \"{other}\""))
-                }
-            }),
+            // What is not there or no file at all is said first.
+            other => Err(check_is_file(path).err().unwrap_or_else(|| {
+                let reason = format!("a scene is a .toml or .bpt file, not \"{other}\"");
+                unreadable(path, reason)
+            })),
         }
     }
 
@@ -335,16 +333,21 @@ fn unreadable(path: &Path, reason: impl ToString) -> Error {
     Error::File { action: "read", path: path.to_owned(), reason: reason.to_string() }
 }
 
+fn check_is_file(path: &Path) -> Result<()> {
+    let metadata = std::fs::metadata(path).map_err(|error| unreadable(path, error))?;
+    if metadata.is_dir() {
+        Err(unreadable(path, "it is a folder, expected a file"))
+    } else if !metadata.is_file() {
+        Err(unreadable(path, "it is a pipe or a device, expected a file"))
+    } else {
+        Ok(())
+    }
+}
+
 /// The text of a scene file, refused by name if it is no file, too large, empty or no UTF-8.
 fn read_text(path: &Path) -> Result<String> {
     let fail = |reason: String| unreadable(path, reason);
-    let metadata = std::fs::metadata(path).map_err(|error| unreadable(path, error))?;
-    if metadata.is_dir() {
-        return Err(fail("it is a folder, expected a file".into()));
-    }
-    if !metadata.is_file() {
-        return Err(fail("it is a pipe or a device, expected a file".into()));
-    }
+    check_is_file(path)?;
     let mut bytes = Vec::new();
     std::fs::File::open(path)
         .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))

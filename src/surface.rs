@@ -69,6 +69,8 @@ impl FreeFormSurface {
         surface: Surface,
         texture: Arc<Texture>,
     ) -> Result<Self> {
+        check_transform(&surface.transform)?;
+        surface.trims.check()?;
         let loops = NewtonTrims::from_loops(&surface.trims.loops)?;
         let points: Vec<Vec4> =
             surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
@@ -100,11 +102,9 @@ impl FreeFormSurface {
     /// Places the surface in the world.
     ///
     /// # Errors
-    /// A matrix that is not finite, or with numbers beyond 1e15.
+    /// A matrix that is not finite, has numbers beyond 1e15, or is not affine (last row 0 0 0 1).
     pub fn set_model_matrix(&mut self, matrix: DMat4) -> Result<()> {
-        for column in matrix.to_cols_array_2d() {
-            check_coordinates("model matrix", DVec4::from(column).truncate())?;
-        }
+        check_transform(&matrix)?;
         self.surface.transform = matrix;
         Ok(())
     }
@@ -260,21 +260,33 @@ impl FreeFormSurface {
     }
 
     /// Adds a circle to those that are there.
-    pub fn add_circle(&mut self, circle: Circle) {
-        self.surface.trims.circles.push(circle);
+    ///
+    /// # Errors
+    /// What [`Circle::new`] refuses; the surface stays as it was.
+    pub fn add_circle(&mut self, circle: Circle) -> Result<()> {
+        self.surface.trims.circles.push(Circle::new(circle.center, circle.radius)?);
         self.trims_changed = true;
+        Ok(())
     }
 
     /// Adds an interval to those that are there.
-    pub fn add_interval(&mut self, interval: Interval) {
-        self.surface.trims.intervals.push(interval);
+    ///
+    /// # Errors
+    /// What [`Interval::new`] refuses; the surface stays as it was.
+    pub fn add_interval(&mut self, interval: Interval) -> Result<()> {
+        self.surface.trims.intervals.push(Interval::new(interval.u, interval.v)?);
         self.trims_changed = true;
+        Ok(())
     }
 
     /// Adds an ellipse to those that are there.
-    pub fn add_ellipse(&mut self, ellipse: Ellipse) {
-        self.surface.trims.ellipses.push(ellipse);
+    ///
+    /// # Errors
+    /// What [`Ellipse::new`] refuses; the surface stays as it was.
+    pub fn add_ellipse(&mut self, ellipse: Ellipse) -> Result<()> {
+        self.surface.trims.ellipses.push(Ellipse::new(ellipse.center, ellipse.radii)?);
         self.trims_changed = true;
+        Ok(())
     }
 
     /// Adds a loop to those that are there; one inside another is an island.
@@ -429,6 +441,16 @@ impl FreeFormSurface {
             shapes.bind_storage(TRIM_SHAPES_BINDING);
         }
     }
+}
+
+fn check_transform(matrix: &DMat4) -> Result<()> {
+    for column in [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis] {
+        check_coordinates("model matrix", column.truncate())?;
+    }
+    if matrix.row(3) != DVec4::W {
+        return Err(Error::invalid("last row of the model matrix", matrix.row(3), "0 0 0 1"));
+    }
+    Ok(())
 }
 
 impl Paint {

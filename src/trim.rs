@@ -12,20 +12,22 @@ pub use inside::inside_loops;
 pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};
 
+use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::{Error, Result};
 
 /// Ends of neighbouring curves closer than this (in the domain's unit) are taken as one point.
 const SNAP: f64 = 1e-6;
 
 fn check_finite(name: &str, point: DVec2) -> Result<()> {
-    if point.is_finite() { Ok(()) } else { Err(Error::invalid(name, point, "finite coordinates")) }
+    check_coordinates(name, point.extend(0.0))
+        .map_err(|_| Error::invalid(name, point, "finite coordinates of at most 1e15"))
 }
 
 fn check_radius(name: &str, radius: f64) -> Result<()> {
-    if radius.is_finite() && radius >= 0.0 {
+    if (0.0..=MAX_COORDINATE).contains(&radius) {
         Ok(())
     } else {
-        Err(Error::invalid(name, radius, "a finite number, 0 or above"))
+        Err(Error::invalid(name, radius, "a finite number, 0 or above, at most 1e15"))
     }
 }
 
@@ -277,6 +279,23 @@ impl Default for Trims {
 }
 
 impl Trims {
+    /// Checks every shape, as its constructor would have: the fields are public.
+    ///
+    /// # Errors
+    /// The first shape that its constructor refuses.
+    pub(crate) fn check(&self) -> Result<()> {
+        for circle in &self.circles {
+            Circle::new(circle.center, circle.radius)?;
+        }
+        for interval in &self.intervals {
+            Interval::new(interval.u, interval.v)?;
+        }
+        for ellipse in &self.ellipses {
+            Ellipse::new(ellipse.center, ellipse.radii)?;
+        }
+        Ok(())
+    }
+
     /// Whether a circle, interval or ellipse that is switched on cuts `uv`.
     #[must_use]
     pub fn shapes_cut(&self, uv: DVec2) -> bool {

@@ -186,6 +186,7 @@ fn files_that_are_no_scenes_are_refused() {
     for (file, words) in [
         ("none.toml", &["none.toml", "No such file"][..]),
         ("folder.toml", &["folder.toml", "folder, expected a file"]),
+        (".", &["read .:", "folder, expected a file"]),
         ("empty.toml", &["empty.toml", "empty"]),
         ("blank.bpt", &["blank.bpt", "empty"]),
         ("binary.toml", &["binary.toml", "not text"]),
@@ -275,6 +276,23 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
             ),
             &[":3:", "scale is inf"],
         ),
+        (
+            {
+                let lens = |w: f64| {
+                    let (left, right) = (0.5 - w, 0.5 + w);
+                    format!(
+                        "[[surface.trim]]\nloop = [[[{left}, 0.5], [0.5, {right}], [{right}, 0.5]], [[{right}, 0.5], [0.5, {left}], [{left}, 0.5]]]\n"
+                    )
+                };
+                surface(&format!(
+                    "control_points = \"default\"\n{}{}{}",
+                    lens(0.4),
+                    lens(0.2),
+                    lens(0.1)
+                ))
+            },
+            &[":7:", "one island at most"],
+        ),
         ("surface = []".into(), &[":1:", "at least one [[surface]]"]),
     ] {
         // A scene needs a surface; it stands last, so that lines count from the fault.
@@ -339,6 +357,15 @@ fn a_picture_never_replaces_what_the_scene_was_read_from() {
     assert_eq!(output.status.code(), Some(1));
     assert!(text(&output.stderr).contains("wall.png, which the scene was read from"));
     assert_eq!(std::fs::read(folder.path("wall.png")).unwrap(), brick);
+
+    // Nor does the picture of one scene replace what another of the same call needs.
+    let user = std::fs::read(folder.path("wall.toml")).unwrap();
+    folder.write("user.toml", user);
+    folder.write("wall.toml", SCENE);
+    let output = folder.run(&["render", "wall.toml", "user.toml", "--resolution", "8x8"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(std::fs::read(folder.path("wall.png")).unwrap(), brick);
+    assert!(folder.path("user.png").exists());
 }
 
 #[cfg(unix)]

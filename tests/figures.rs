@@ -158,7 +158,7 @@ fn lonely(pixels: &[(i32, i32)], others: &[(i32, i32)]) -> usize {
 
 #[test]
 fn lines_lie_where_the_reference_draws_them() {
-    for name in ["thesis/fig21", "report/wireframe"] {
+    for name in ["thesis/fig21", "thesis/fig26", "report/wireframe"] {
         let path = common::root().join("resources/scenes").join(name).with_extension("toml");
         let scene = load(&path);
         let background = scene.settings.background.map(|c| (c * 255.0).round() as u8);

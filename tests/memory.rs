@@ -22,18 +22,20 @@ fn resident() -> u64 {
     pages * 4096
 }
 
-/// Buffers, textures, programs and shaders that exist, by their numbers.
+/// Buffers, textures, programs, shaders, framebuffers and renderbuffers that exist, by their numbers.
 fn objects(gl: &glow::Context) -> Vec<(char, u32)> {
     // SAFETY: the context is current; asking about any number is allowed.
     let exists = |kind: char, number: NonZeroU32| unsafe {
         match kind {
             'b' => gl.is_buffer(glow::NativeBuffer(number)),
             't' => gl.is_texture(glow::NativeTexture(number)),
+            'f' => gl.is_framebuffer(glow::NativeFramebuffer(number)),
+            'r' => gl.is_renderbuffer(glow::NativeRenderbuffer(number)),
             'p' => gl.is_program(glow::NativeProgram(number)),
             _ => gl.is_shader(glow::NativeShader(number)),
         }
     };
-    "btps"
+    "btpsfr"
         .chars()
         .flat_map(|kind| (1..50_000).map(move |number| (kind, number)))
         .filter(|(kind, number)| exists(*kind, NonZeroU32::new(*number).unwrap()))
@@ -45,6 +47,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
     for backend in backends() {
         let context = Checked::new(backend);
         let gl = context.gl();
+        let nothing_yet = objects(gl);
         let target = Framebuffer::new(gl, 16, 16).unwrap();
         let mut renderer = Renderer::new(gl).unwrap();
         let scene = Scene::listing16();
@@ -58,7 +61,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
             surface.set_texture(Arc::new(Texture::new(gl, "round", &image).unwrap()));
             for center in [dvec2(0.3, 0.3), dvec2(0.7, 0.7)] {
                 surface.circular_trimming(0.1, center).unwrap();
-                surface.add_circle(surface.trims().circles[0]);
+                surface.add_circle(surface.trims().circles[0]).unwrap();
             }
             let [a, b, c, d] =
                 [(0.2, 0.5), (0.5, 0.9), (0.8, 0.5), (0.5, 0.1)].map(|(u, v)| dvec2(u, v));
@@ -82,5 +85,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
             after <= before + before / 20,
             "{backend}: resident memory grew from {before} to {after} bytes"
         );
+        drop((renderer, target));
+        assert_eq!(objects(gl), nothing_yet);
     }
 }

@@ -157,13 +157,13 @@ fn many_trims_of_every_kind_cut_at_once() {
         plain.trims.loops.push(TrimLoop::new(lens).unwrap());
     }
     for circle in &plain.trims.circles {
-        surface.add_circle(*circle);
+        surface.add_circle(*circle).unwrap();
     }
     for interval in &plain.trims.intervals {
-        surface.add_interval(*interval);
+        surface.add_interval(*interval).unwrap();
     }
     for ellipse in &plain.trims.ellipses {
-        surface.add_ellipse(*ellipse);
+        surface.add_ellipse(*ellipse).unwrap();
     }
     for trim_loop in &plain.trims.loops {
         surface.add_trim_loop(trim_loop.clone()).unwrap();
@@ -238,6 +238,13 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
     let [a, b, c, d] = lens(0.05, 0.05).map(|p| p + dvec2(-0.24, 0.38));
     let beside: Vec<DVec2> = lens(0.3, 0.44).into_iter().chain([a, b, c, d]).collect();
     assert!(surface.set_nested_bezier_curve_trimming(beside.try_into().unwrap()).is_err());
+    let bare = Circle { center: DVec2::ZERO, radius: f64::NAN };
+    assert!(surface.add_circle(bare).unwrap_err().to_string().contains("circle radius"));
+    let projective = DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::Z, DVec4::ONE * 0.5);
+    assert!(surface.set_model_matrix(projective).unwrap_err().to_string().contains("last row"));
+    let mut plain = Surface::new(Degree::Cubic, surface.control_points().to_vec()).unwrap();
+    plain.trims.circles.push(bare);
+    assert!(FreeFormSurface::from_surface(&stage.renderer, plain).is_err());
     let outside: Vec<DVec2> = lens(0.2, 0.1).into_iter().chain(lens(0.3, 0.1)).collect();
     let text = surface.set_nested_bezier_curve_trimming(outside.try_into().unwrap()).unwrap_err();
     assert!(text.to_string().contains("inner loop"), "{text}");

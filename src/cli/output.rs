@@ -56,16 +56,11 @@ impl Output {
                 if scenes.len() == 1 && !ends_as_folder && !path.is_dir() {
                     return single(path).map(|output| vec![output]);
                 }
-                std::fs::create_dir_all(path).map_err(|error| Error::File {
-                    action: "make the folder",
-                    path: path.to_owned(),
-                    reason: error.to_string(),
-                })?;
                 path.to_owned()
             }
         };
         let mut taken: HashMap<PathBuf, &PathBuf> = HashMap::new();
-        scenes
+        let outputs: Vec<Self> = scenes
             .iter()
             .map(|scene| {
                 let stem = scene.file_stem().unwrap_or(scene.as_os_str());
@@ -86,7 +81,16 @@ impl Output {
                     )),
                 }
             })
-            .collect()
+            .collect::<Result<_>>()?;
+        // Only now: a refused call leaves no folder behind.
+        if !folder.as_os_str().is_empty() {
+            std::fs::create_dir_all(&folder).map_err(|error| Error::File {
+                action: "make the folder",
+                path: folder,
+                reason: error.to_string(),
+            })?;
+        }
+        Ok(outputs)
     }
 
     /// Refuses to write over a file that the scene was read from.

@@ -1,3 +1,4 @@
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, Framebuffer};
@@ -26,11 +27,20 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
         bar.set_style(style);
     }
     let mut errors = Vec::new();
-    for (path, output) in arguments.scenes.iter().zip(outputs) {
+    let scenes: Vec<_> =
+        arguments.scenes.iter().map(|path| (path, Loaded::read(path, arguments))).collect();
+    // No picture may take the place of what any of the scenes was read from.
+    let sources: Vec<PathBuf> = scenes
+        .iter()
+        .filter_map(|(_, loaded)| loaded.as_ref().ok())
+        .flat_map(|loaded| loaded.scene.files.iter().cloned())
+        .collect();
+    for ((path, loaded), output) in scenes.into_iter().zip(outputs) {
         bar.set_message(path.display().to_string());
-        let done = job.load(path, arguments).and_then(|scene| {
-            output.check_keeps(&scene.files)?;
-            job.render(&scene, output)
+        let done = loaded.and_then(|loaded| {
+            output.check_keeps(&sources)?;
+            job.load = loaded.time;
+            job.render(&loaded.scene, output)
         });
         match done {
             Ok(()) if *output == Output::Standard => {}
@@ -41,6 +51,25 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
     }
     bar.finish_and_clear();
     if errors.is_empty() { Ok(()) } else { Err(errors) }
+}
+
+/// A scene, and how long it took to read.
+struct Loaded {
+    scene: Scene,
+    time: Duration,
+}
+
+impl Loaded {
+    /// Reads a scene; what the command line says wins.
+    fn read(path: &Path, arguments: &RenderArguments) -> Result<Self> {
+        let start = Instant::now();
+        let mut scene = Scene::load(path)?;
+        let settings = &mut scene.settings;
+        settings.level = arguments.level.unwrap_or(settings.level);
+        settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
+        settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
+        Ok(Self { scene, time: start.elapsed() })
+    }
 }
 
 /// How long the parts of one picture took.
@@ -61,6 +90,7 @@ pub(super) struct Job {
     renderer: Renderer,
     context: Headless,
     start_up: Duration,
+    set_up: Duration,
     load: Duration,
     verbose: bool,
 }
@@ -70,11 +100,15 @@ impl Job {
         let start = Instant::now();
         let context = Headless::new(backend)?;
         let start_up = start.elapsed();
+        let start = Instant::now();
+        let target = Framebuffer::new(context.gl(), width, height)?;
+        let renderer = Renderer::new(context.gl())?;
         Ok(Self {
-            target: Framebuffer::new(context.gl(), width, height)?,
-            renderer: Renderer::new(context.gl())?,
+            target,
+            renderer,
             context,
             start_up,
+            set_up: start.elapsed(),
             load: Duration::ZERO,
             verbose: false,
         })
@@ -84,18 +118,6 @@ impl Job {
     pub(super) fn driver(&self) -> String {
         let info = self.context.info();
         format!("{}, OpenGL {}", info.renderer, info.version)
-    }
-
-    /// Reads a scene; what the command line says wins.
-    fn load(&mut self, path: &std::path::Path, arguments: &RenderArguments) -> Result<Scene> {
-        let start = Instant::now();
-        let mut scene = Scene::load(path)?;
-        let settings = &mut scene.settings;
-        settings.level = arguments.level.unwrap_or(settings.level);
-        settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
-        settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
-        self.load = start.elapsed();
-        Ok(scene)
     }
 
     /// Draws a scene and writes its picture.
@@ -112,12 +134,12 @@ impl Job {
     }
 
     fn draw(&mut self, scene: &Scene, times: &mut Times) -> Result<Image> {
+        let start = Instant::now();
         let (width, height) = self.target.size();
         let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
         let gl = self.context.gl();
         // What an earlier picture left behind is not this one's fault.
         let _ = self.context.debug_log().take_errors();
-        let start = Instant::now();
         let mut prepared = PreparedScene::new(&self.renderer, scene)?;
         gpu::finish(gl);
         times.upload = start.elapsed();
@@ -151,15 +173,16 @@ impl Job {
         let patches: usize = scene.surfaces.iter().map(|surface| surface.patches().len()).sum();
         let level = u64::from(scene.settings.level.get());
         let compilation = times.first_draw.saturating_sub(times.draw);
-        let own = times.load + times.upload + times.draw + times.read + times.write;
+        let own = self.set_up + times.load + times.upload + times.draw + times.read + times.write;
         eprintln!("{}", self.driver());
         eprintln!("patches {patches}, triangles {}", 2 * level * level * patches as u64);
         for (part, time) in [
             ("driver start-up", self.start_up),
             ("shader compilation", compilation),
             ("the program's own part", own),
+            ("  set up the target", self.set_up),
             ("  read the scene", times.load),
-            ("  upload", times.upload),
+            ("  frame and upload", times.upload),
             ("  draw", times.draw),
             ("  read the pixels back", times.read),
             ("  write the picture", times.write),

@@ -124,8 +124,7 @@ impl TrimFeatures {
     };
 
     /// Whether there is a loop of any form.
-    #[must_use]
-    pub const fn loops(&self) -> bool {
+    const fn loops(&self) -> bool {
         self.quadratics || self.nested_quadratics || self.cubics || self.nested_cubics
     }
 

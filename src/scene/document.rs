@@ -320,13 +320,22 @@ impl Builder<'_> {
                 ShadingName::Normals => Shading::Normals,
             };
         }
+        let mut places = Vec::with_capacity(table.trim.len());
         for trim in table.trim {
+            places.push((trim.span().start, matches!(trim.get_ref(), TrimTable::Loop(_))));
             self.check(trim, |trim| {
                 surfaces.iter_mut().try_for_each(|surface| add_trim(&trim, surface))
             })?;
         }
         for surface in &surfaces {
-            NewtonTrims::from_loops(&surface.trims.loops).map_err(|error| self.at(start, error))?;
+            let loops = &surface.trims.loops;
+            NewtonTrims::from_loops(loops).map_err(|error| {
+                // The first loop that cannot be sorted in with those before it.
+                let fits = |count: &usize| NewtonTrims::from_loops(&loops[..*count]).is_ok();
+                let first = (1..loops.len()).take_while(fits).count();
+                let mut of_loops = places.iter().filter(|(_, is_loop)| *is_loop);
+                self.at(of_loops.nth(first).map_or(start, |(place, _)| *place), error)
+            })?;
         }
         Ok(surfaces)
     }
@@ -430,8 +439,8 @@ fn transform(
     for (name, vector) in [("translate", translate), ("rotate_degrees", rotate)] {
         check_coordinates(name, vector)?;
     }
-    if !(scale != 0.0 && scale.abs() <= MAX_COORDINATE) {
-        return Err(Error::invalid("scale", scale, "a number other than 0, at most 1e15"));
+    if !(1.0 / MAX_COORDINATE..=MAX_COORDINATE).contains(&scale.abs()) {
+        return Err(Error::invalid("scale", scale, "a number other than 0, of size 1e-15 to 1e15"));
     }
     let radians = rotate.map(f64::to_radians);
     Ok(DMat4::from_translation(translate)

@@ -169,11 +169,11 @@ impl NewtonTrims {
                     (Form::Cubic(outer), Form::Cubic(inner)) => {
                         trims.nested_cubic.push(joined(&outer, &inner));
                     }
-                    _ => return Err(misplaced(i, &inside)),
+                    _ => return Err(misplaced(i, &around, &inside)),
                 },
                 // An island belongs to the loop around it.
                 ([_], []) => {}
-                _ => return Err(misplaced(i, &inside)),
+                _ => return Err(misplaced(i, &around, &inside)),
             }
         }
         Ok(trims)
@@ -245,12 +245,18 @@ fn unfit(index: usize, trim_loop: &TrimLoop) -> Error {
     )
 }
 
-fn misplaced(index: usize, inside: &[usize]) -> Error {
+fn misplaced(index: usize, around: &[usize], inside: &[usize]) -> Error {
+    let list = |loops: &[usize]| loops.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    let place = match (around, inside) {
+        ([], inside) => format!("around loop {}", list(inside)),
+        (around, []) => format!("inside loop {}", list(around)),
+        _ => format!("inside loop {} and around loop {}", list(around), list(inside)),
+    };
     Error::invalid(
         format!("loop {index}"),
-        format!("around the loops {inside:?}"),
-        "one island at most, of the same kind and without one of its own: all that the thesis' \
-         method can cut",
+        place,
+        "one island at most in a loop, of the same kind and without one of its own: all that the \
+         thesis' method can cut",
     )
 }
 
