@@ -147,6 +147,8 @@ pub struct TrimDecision<'a> {
 }
 
 impl<'a> TrimDecision<'a> {
+    /// How an arithmetic decides these trims.
+    ///
     /// # Errors
     /// Loops that the thesis' method cannot cut, if its arithmetic is asked for.
     pub fn new(trims: &'a Trims, newton: Newton, arithmetic: Arithmetic) -> Result<Self> {

@@ -119,7 +119,8 @@ impl Renderer {
             trims: surface.trim_features(),
         };
         let settings = &frame.settings;
-        let program = self.program(key)?;
+        self.program(key)?;
+        let program = &self.programs[&key];
         program.bind();
         set_matrices(program, surface.model_matrix(), &frame.projection);
         let parts = Parts::of(settings.level);
@@ -133,7 +134,6 @@ impl Renderer {
         self.set_state(surface.degree(), settings.wireframe);
         let batch = parts.patches_per_draw(settings.wireframe) * surface.degree().points();
         let points = surface.control_point_count();
-        let program = &self.programs[&key];
         self.vertex_array.bind(surface.control_point_buffer());
         for domain in parts.domains() {
             program.set_vec3(location::PART, domain);

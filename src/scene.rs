@@ -73,6 +73,8 @@ impl TessLevel {
     /// The highest level.
     pub const MAX: Self = Self(64);
 
+    /// A level from a number that may be none.
+    ///
     /// # Errors
     /// Anything outside 1 … 64.
     pub fn new(level: i64) -> Result<Self> {

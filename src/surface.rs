@@ -294,9 +294,11 @@ impl FreeFormSurface {
     /// # Errors
     /// A loop that the thesis' method cannot cut; the surface stays as it was.
     pub fn add_trim_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
-        let mut loops = self.surface.trims.loops.clone();
+        let loops = &mut self.surface.trims.loops;
         loops.push(trim_loop);
-        self.replace_loops(loops)
+        self.loops = NewtonTrims::from_loops(loops).inspect_err(|_| drop(loops.pop()))?;
+        self.trims_changed = true;
+        Ok(())
     }
 
     /// Removes every trim; the switches stay as they are.

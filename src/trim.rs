@@ -41,6 +41,8 @@ pub struct Circle {
 }
 
 impl Circle {
+    /// A circle in the domain.
+    ///
     /// # Errors
     /// A centre or radius that is not finite, a negative radius.
     pub fn new(center: DVec2, radius: f64) -> Result<Self> {
@@ -66,6 +68,8 @@ pub struct Interval {
 }
 
 impl Interval {
+    /// A rectangle in the domain.
+    ///
     /// # Errors
     /// A bound that is not finite, or a first bound above its last.
     pub fn new(u: DVec2, v: DVec2) -> Result<Self> {
@@ -95,6 +99,8 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
+    /// An ellipse in the domain.
+    ///
     /// # Errors
     /// A centre or radius that is not finite, a negative radius.
     pub fn new(center: DVec2, radii: DVec2) -> Result<Self> {

@@ -1,3 +1,5 @@
+//! `freeform info`: the driver and its limits.
+
 use super::say;
 use freeform_surface::{Backend, Headless, Result};
 

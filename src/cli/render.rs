@@ -1,3 +1,5 @@
+//! `freeform render`: scenes into pictures, and where the time went.
+
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

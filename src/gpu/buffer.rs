@@ -1,3 +1,5 @@
+//! Buffers of plain values, for control points and trims.
+
 use std::sync::Arc;
 
 use bytemuck::Pod;

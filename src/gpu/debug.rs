@@ -1,3 +1,5 @@
+//! What the driver complains of: kept for tests and errors, and logged.
+
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glow::HasContext;

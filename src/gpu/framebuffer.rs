@@ -1,3 +1,5 @@
+//! Pictures that are drawn into without a window, and read back.
+
 use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
@@ -26,6 +28,8 @@ impl std::fmt::Debug for Framebuffer {
 }
 
 impl Framebuffer {
+    /// A picture of so many pixels, bound by nobody yet.
+    ///
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
     pub fn new(gl: &Arc<glow::Context>, width: u32, height: u32) -> Result<Self> {

@@ -1,3 +1,5 @@
+//! Programs from parts of GLSL, with errors that name stage, file and line.
+
 use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;

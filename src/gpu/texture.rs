@@ -1,3 +1,5 @@
+//! Pictures on surfaces, uploaded with their smaller levels.
+
 use std::borrow::Cow;
 use std::sync::Arc;
 

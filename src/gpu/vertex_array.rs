@@ -1,3 +1,5 @@
+//! The layout of vertices that are control points.
+
 use std::sync::Arc;
 
 use glow::HasContext;
@@ -22,6 +24,8 @@ impl std::fmt::Debug for VertexArray {
 }
 
 impl VertexArray {
+    /// The layout, with no buffer bound.
+    ///
     /// # Errors
     /// The driver has no vertex array.
     pub fn new(gl: &Arc<glow::Context>) -> Result<Self> {

@@ -1,3 +1,5 @@
+//! A whole scene in the driver's memory.
+
 use std::sync::Arc;
 
 use super::{Frame, Renderer};

@@ -176,8 +176,8 @@ impl<'de> Deserialize<'de> for ControlPoint {
     }
 }
 
-/// The most bytes of one `[[surface]]` with its trims. The toml crate takes up to 250
-/// times as much memory; a control net that is larger has its place in a .bpt file.
+/// The most bytes of one `[[surface]]` with its trims. The toml crate takes up to 250 times as much
+/// memory; a control net that is larger has its place in a .bpt file.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 
 /// Parses a scene; `path` is for the errors and for the folder of the files it names.
@@ -233,7 +233,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// An error at the line of a byte of the chunk, unless it has a line already.
+    /// An error at the line of a byte of the chunk.
     fn at(&self, offset: usize, error: impl ToString) -> Error {
         Error::Scene {
             path: self.path.to_owned(),
@@ -320,22 +320,18 @@ impl Builder<'_> {
                 ShadingName::Normals => Shading::Normals,
             };
         }
-        let mut places = Vec::with_capacity(table.trim.len());
+        let mut loop_places = Vec::new();
         for trim in table.trim {
-            places.push((trim.span().start, matches!(trim.get_ref(), TrimTable::Loop(_))));
+            if matches!(trim.get_ref(), TrimTable::Loop(_)) {
+                loop_places.push(trim.span().start);
+            }
             self.check(trim, |trim| {
                 surfaces.iter_mut().try_for_each(|surface| add_trim(&trim, surface))
             })?;
         }
         for surface in &surfaces {
-            let loops = &surface.trims.loops;
-            NewtonTrims::from_loops(loops).map_err(|error| {
-                // The first loop that cannot be sorted in with those before it.
-                let fits = |count: &usize| NewtonTrims::from_loops(&loops[..*count]).is_ok();
-                let first = (1..loops.len()).take_while(fits).count();
-                let mut of_loops = places.iter().filter(|(_, is_loop)| *is_loop);
-                self.at(of_loops.nth(first).map_or(start, |(place, _)| *place), error)
-            })?;
+            NewtonTrims::sorted(&surface.trims.loops)
+                .map_err(|(to_blame, error)| self.at(loop_places[to_blame], error))?;
         }
         Ok(surfaces)
     }
@@ -465,9 +461,7 @@ fn add_trim(trim: &TrimTable, surface: &mut Surface) -> Result<()> {
                 let points: Vec<DVec2> = points.iter().map(|point| DVec2::from(*point)).collect();
                 Segment::new(&points)
             });
-            let trim_loop = TrimLoop::new(segments.collect::<Result<_>>()?)?;
-            NewtonTrims::from_loops(std::slice::from_ref(&trim_loop))?;
-            trims.loops.push(trim_loop);
+            trims.loops.push(TrimLoop::new(segments.collect::<Result<_>>()?)?);
         }
     }
     Ok(())

@@ -146,34 +146,38 @@ impl NewtonTrims {
     /// A loop that is not two quadratics or two cubics; islands that the forms cannot hold: two in
     /// one loop, one of another kind, one in an island. Loops are named by their number from 0.
     pub fn from_loops(loops: &[TrimLoop]) -> Result<Self> {
+        Self::sorted(loops).map_err(|(_, error)| error)
+    }
+
+    /// The same; a fault comes with the number of the loop that is to blame.
+    pub(crate) fn sorted(loops: &[TrimLoop]) -> Result<Self, (usize, Error)> {
         let forms = loops
             .iter()
             .enumerate()
-            .map(|(i, trim_loop)| Form::of(trim_loop).ok_or_else(|| unfit(i, trim_loop)))
-            .collect::<Result<Vec<_>>>()?;
+            .map(|(i, trim_loop)| Form::of(trim_loop).ok_or_else(|| (i, unfit(i, trim_loop))))
+            .collect::<Result<Vec<_>, _>>()?;
         let mut trims = Self::default();
-        for (i, form) in forms.iter().enumerate() {
-            let around: Vec<usize> =
-                (0..loops.len()).filter(|other| holds(&loops[*other], &loops[i])).collect();
-            let inside: Vec<usize> =
-                (0..loops.len()).filter(|other| holds(&loops[i], &loops[*other])).collect();
+        for (i, Nesting { around, inside }) in nestings(loops).iter().enumerate() {
             match (around.as_slice(), inside.as_slice()) {
-                ([], []) => match *form {
+                ([], []) => match forms[i] {
                     Form::Quadratic(points) => trims.quadratic.push(points),
                     Form::Cubic(points) => trims.cubic.push(points),
                 },
-                ([], [island]) => match (*form, forms[*island]) {
+                ([], [island]) => match (forms[i], forms[*island]) {
                     (Form::Quadratic(outer), Form::Quadratic(inner)) => {
                         trims.nested_quadratic.push(joined(&outer, &inner));
                     }
                     (Form::Cubic(outer), Form::Cubic(inner)) => {
                         trims.nested_cubic.push(joined(&outer, &inner));
                     }
-                    _ => return Err(misplaced(i, &around, &inside)),
+                    _ => return Err((*island, misplaced(i, around, inside))),
                 },
                 // An island belongs to the loop around it.
                 ([_], []) => {}
-                _ => return Err(misplaced(i, &around, &inside)),
+                _ => {
+                    let last = inside.iter().copied().max().unwrap_or(i);
+                    return Err((last, misplaced(i, around, inside)));
+                }
             }
         }
         Ok(trims)
@@ -260,13 +264,41 @@ fn misplaced(index: usize, around: &[usize], inside: &[usize]) -> Error {
     )
 }
 
+/// The loops that one loop lies in, and those that lie in it, by their numbers.
+#[derive(Clone, Default)]
+struct Nesting {
+    around: Vec<usize>,
+    inside: Vec<usize>,
+}
+
+/// Sweeps over the boxes from the left, so that only loops whose boxes overlap along u are compared.
+fn nestings(loops: &[TrimLoop]) -> Vec<Nesting> {
+    let boxes: Vec<[DVec2; 2]> = loops.iter().map(TrimLoop::control_box).collect();
+    let mut order: Vec<usize> = (0..loops.len()).collect();
+    order.sort_by(|a, b| boxes[*a][0].x.total_cmp(&boxes[*b][0].x));
+    let mut found = vec![Nesting::default(); loops.len()];
+    let mut open: Vec<usize> = Vec::new();
+    for new in order {
+        open.retain(|old| boxes[*old][1].x >= boxes[new][0].x);
+        for &old in &open {
+            for (outer, inner) in [(old, new), (new, old)] {
+                if holds(&loops[outer], &loops[inner]) {
+                    found[outer].inside.push(inner);
+                    found[inner].around.push(outer);
+                }
+            }
+        }
+        open.push(new);
+    }
+    found
+}
+
 /// Whether every point of `inner`, sampled along its curves, lies inside `outer`.
 pub(crate) fn holds(outer: &TrimLoop, inner: &TrimLoop) -> bool {
     const SAMPLES: u32 = 16;
     let ([least, most], [inner_least, inner_most]) = (outer.control_box(), inner.control_box());
     let boxes_meet = least.cmple(inner_most).all() && inner_least.cmple(most).all();
-    !std::ptr::eq(outer, inner)
-        && boxes_meet
+    boxes_meet
         && inner
             .segments()
             .iter()
@@ -418,6 +450,21 @@ mod tests {
         );
         // A loop twice is twice the same hole.
         assert_eq!(counts(&[lens(0.2, 0.2), lens(0.2, 0.2)]), [2, 0, 0, 0]);
+    }
+
+    #[test]
+    fn thousands_of_loops_with_islands_are_sorted_and_a_late_fault_is_found() {
+        let side = 50;
+        let mut loops: Vec<TrimLoop> = (0..side * side)
+            .flat_map(|i| {
+                let place = dvec2(f64::from(i % side), f64::from(i / side));
+                [moved(&lens(0.4, 0.4), place), moved(&lens(0.2, 0.2), place)]
+            })
+            .collect();
+        assert_eq!(counts(&loops), [0, 2500, 0, 0]);
+        loops.push(lens(0.1, 0.1));
+        let (to_blame, _) = NewtonTrims::sorted(&loops).unwrap_err();
+        assert_eq!(to_blame, 5000);
     }
 
     #[test]

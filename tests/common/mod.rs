@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 
 use freeform_surface::gpu::Framebuffer;
+use freeform_surface::reference::{Arithmetic, Picture, Pixel, TrimDecision};
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{Backend, Frame, Headless, Image, PreparedScene, Renderer, Scene};
 use glam::UVec2;
@@ -200,6 +201,41 @@ fn write_failure(
     let path = folder.join(format!("{name}.png"));
     sheet.save(&path)?;
     Ok(path)
+}
+
+/// Around edges a sample's exact place decides; so far around.
+pub const BAND_PX: f64 = 1.5;
+
+/// Leaves out wrong pixels that a speckle between pixels explains; returns how many.
+pub fn excuse_speckles(
+    scene: &Scene,
+    picture: &Picture,
+    actual: &Image,
+    left_out: &mut [bool],
+    tolerance: u8,
+) -> usize {
+    let decisions: Vec<TrimDecision<'_>> = scene
+        .surfaces
+        .iter()
+        .map(|surface| {
+            TrimDecision::new(&surface.trims, scene.settings.newton, Arithmetic::Thesis).unwrap()
+        })
+        .collect();
+    let mut excused = 0;
+    for (i, (expected, actual)) in picture.image.pixels().zip(actual.pixels()).enumerate() {
+        let off = (0..4).map(|c| expected.0[c].abs_diff(actual.0[c])).max().unwrap_or(0);
+        if left_out[i] || off <= tolerance {
+            continue;
+        }
+        if let Pixel::Surface(fragment) | Pixel::Hole(fragment) = &picture.pixels[i]
+            && !scene.surfaces[fragment.surface].trims.loops.is_empty()
+            && decisions[fragment.surface].changes_near(fragment, BAND_PX)
+        {
+            left_out[i] = true;
+            excused += 1;
+        }
+    }
+    excused
 }
 
 /// The stored reference picture of that name. With `UPDATE_REFERENCES=1` it is written first.
