@@ -88,6 +88,19 @@ fn several_contexts_of_one_thread_take_turns() {
     }
 }
 
+#[test]
+fn dropping_a_context_leaves_the_log_of_another_alone() {
+    for backend in backends() {
+        let first = Headless::new(backend).unwrap();
+        let second = Headless::new(backend).unwrap();
+        drop(first);
+        second.make_current().unwrap();
+        // SAFETY: the context is current; an unknown capability is an error without effect.
+        unsafe { second.gl().enable(0xdead) };
+        assert!(!second.debug_log().take_errors().is_empty());
+    }
+}
+
 /// A caller's own settings must not change the picture, nor where memory is read and written.
 #[test]
 fn the_state_of_the_caller_does_not_show() {

@@ -227,7 +227,9 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
         Segment::Line([DVec2::ZERO, DVec2::ONE]),
         Segment::Line([DVec2::ONE, DVec2::ZERO]),
     ]);
+    let trims = surface.trims().clone();
     assert!(surface.add_trim_loop(line.unwrap()).is_err());
+    assert_eq!(surface.trims(), &trims);
     for count in [0, 15, 17, 26] {
         let points = vec![DVec3::ZERO; count];
         let text = FreeFormSurface::with_control_points(&stage.renderer, &points).unwrap_err();

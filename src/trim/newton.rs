@@ -468,6 +468,15 @@ mod tests {
     }
 
     #[test]
+    fn a_loop_that_reaches_further_right_does_not_end_the_one_it_overlaps() {
+        // From the left: the outer loop, one far above it that reaches further, then the island.
+        let outer = lens(0.4, 0.3);
+        let above = moved(&lens(0.4, 0.1), dvec2(0.3, 5.0));
+        let island = moved(&lens(0.05, 0.05), dvec2(0.1, 0.0));
+        assert_eq!(counts(&[outer, above, island]), [1, 1, 0, 0]);
+    }
+
+    #[test]
     fn islands_that_the_forms_cannot_hold_are_refused() {
         for loops in [
             vec![lens(0.4, 0.4), pillow(0.1, 0.1)],
