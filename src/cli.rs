@@ -8,8 +8,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
-use freeform_surface::{Backend, Error, Scene, TessLevel};
+use freeform_surface::{Backend, Error, Method, Samples, Scene, TessLevel};
 
+use indicatif::ProgressBar;
 use output::Output;
 use render::Job;
 
@@ -46,6 +47,15 @@ struct RenderArguments {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
     resolution: (u32, u32),
 
+    /// Whose trims and normals: exact (right at every sample) or thesis, instead of the scene's.
+    #[arg(long, value_name = "METHOD", value_parser = method)]
+    method: Option<Method>,
+
+    /// Samples a pixel, 1 to 256 in powers of two, instead of the scene's. More than the driver has
+    /// are drawn one after the other.
+    #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
+    samples: Option<Samples>,
+
     /// Tessellation level, 1 to 64, instead of the scene's.
     #[arg(long, value_name = "N", value_parser = level, allow_negative_numbers = true)]
     level: Option<TessLevel>,
@@ -80,6 +90,17 @@ fn resolution(text: &str) -> Result<(u32, u32), String> {
     text.split_once('x')
         .and_then(|(width, height)| Some((side(width)?, side(height)?)))
         .ok_or_else(|| "expected WIDTHxHEIGHT, two whole numbers above 0".into())
+}
+
+fn method(text: &str) -> Result<Method, String> {
+    text.parse().map_err(|_| "expected exact or thesis".into())
+}
+
+fn samples(text: &str) -> Result<Samples, String> {
+    text.parse()
+        .ok()
+        .and_then(|samples| Samples::new(samples).ok())
+        .ok_or_else(|| "expected 1, 2, 4, 8, 16, 32, 64, 128 or 256".into())
 }
 
 fn level(text: &str) -> Result<TessLevel, String> {
@@ -141,7 +162,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
 fn default_scene() -> Result<(), Error> {
     let output = Output::File("freeform.png".into());
     let mut job = Job::new(Backend::Auto, (1000, 600))?;
-    job.render(&Scene::listing16(), &output)?;
+    job.render(&Scene::listing16(), &output, &ProgressBar::hidden())?;
     say("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on")?;
     say(job.driver())?;
     // Cargo puts no `freeform` on the path.

@@ -74,4 +74,15 @@ impl Error {
     ) -> Self {
         Self::Invalid { name: name.into(), value: value.to_string(), expected: expected.into() }
     }
+
+    /// The same fault, with the place where it was found before the name of the argument.
+    #[must_use]
+    pub fn within(self, place: impl std::fmt::Display) -> Self {
+        match self {
+            Self::Invalid { name, value, expected } => {
+                Self::Invalid { name: format!("{place}: {name}"), value, expected }
+            }
+            other => other,
+        }
+    }
 }

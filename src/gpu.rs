@@ -88,6 +88,13 @@ pub(crate) fn check_version(gl: &glow::Context) -> Result<()> {
     Ok(())
 }
 
+/// Samples a pixel of what is drawn into.
+pub(crate) fn samples_of_target(gl: &glow::Context) -> u32 {
+    // SAFETY: the context is current (see the module).
+    let samples = unsafe { gl.get_parameter_i32(glow::SAMPLES) };
+    u32::try_from(samples).unwrap_or(0).max(1)
+}
+
 /// Waits until the driver has done everything it was told.
 pub fn finish(gl: &glow::Context) {
     // SAFETY: the context is current (see the module).

@@ -83,10 +83,11 @@ pub use error::{Error, Result};
 pub use headless::{Backend, Headless};
 pub use renderer::{Frame, PreparedScene, Renderer};
 pub use scene::{
-    Image, Paint, RenderSettings, Scene, Shading, Surface, TessLevel, default_control_points,
+    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel, default_control_points,
     load_texture,
 };
 pub use surface::FreeFormSurface;
 pub use trim::{
-    Circle, Ellipse, Interval, Newton, NewtonTrims, Segment, TrimLoop, Trims, inside_loops,
+    Circle, Ellipse, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop, Trims,
+    inside_loops,
 };

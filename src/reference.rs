@@ -153,7 +153,7 @@ impl<'a> TrimDecision<'a> {
     /// Loops that the thesis' method cannot cut, if its arithmetic is asked for.
     pub fn new(trims: &'a Trims, newton: Newton, arithmetic: Arithmetic) -> Result<Self> {
         let newton = match arithmetic {
-            Arithmetic::Thesis => Some((newton, NewtonTrims::from_loops(&trims.loops)?)),
+            Arithmetic::Thesis => Some((newton, NewtonTrims::of(trims)?)),
             Arithmetic::Exact => None,
         };
         Ok(Self { trims, newton })
@@ -221,7 +221,8 @@ impl<'a> SurfaceView<'a> {
 
     /// Whether the report's program draws it, as `renderer::programs::Pipeline::of` decides.
     fn is_report(&self) -> bool {
-        self.surface.degree() == crate::Degree::Quartic
+        self.arithmetic == Arithmetic::Thesis
+            && self.surface.degree() == crate::Degree::Quartic
             && self.surface.shading == crate::Shading::Unlit
     }
 

@@ -3,6 +3,7 @@
 
 mod prepared;
 pub mod programs;
+mod smooth;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,10 +12,11 @@ use glam::DMat4;
 use glow::HasContext;
 
 pub use prepared::PreparedScene;
+pub use smooth::sample_offsets;
 use programs::{Pipeline, ProgramKey, Sources, TrimFeatures, location};
 
 use crate::camera::Projection;
-use crate::gpu::{Buffer, Program, VertexArray, check_version};
+use crate::gpu::{Buffer, Program, VertexArray, check_version, samples_of_target};
 use crate::tessellation::Parts;
 use crate::{Degree, FreeFormSurface, RenderSettings, Result, Shading};
 
@@ -110,15 +112,16 @@ impl Renderer {
     /// Draws the patches of a surface into the bound framebuffer.
     ///
     /// # Errors
-    /// A shader that the driver does not take, or no memory for changed trims.
+    /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
+    /// method cannot cut.
     pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<()> {
-        surface.upload_trims(&self.gl)?;
-        let key = ProgramKey {
-            pipeline: Pipeline::of(surface),
-            shading: surface.shading(),
-            trims: surface.trim_features(),
-        };
         let settings = &frame.settings;
+        let trims = surface.upload_trims(&self.gl, settings.method)?;
+        let key = ProgramKey {
+            pipeline: Pipeline::of(surface, settings.method, samples_of_target(&self.gl)),
+            shading: surface.shading(),
+            trims,
+        };
         self.program(key)?;
         let program = &self.programs[&key];
         program.bind();
@@ -175,7 +178,7 @@ impl Renderer {
         let program = self.program(ProgramKey {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
-            trims: TrimFeatures::default(),
+            trims: TrimFeatures::NONE,
         })?;
         program.bind();
         set_matrices(program, surface.model_matrix(), &frame.projection);

@@ -42,6 +42,10 @@ pub struct Scene {
 pub struct RenderSettings {
     /// Red, green, blue and alpha where nothing is drawn, each 0 … 1.
     pub background: [f32; 4],
+    /// Whose trims and normals the surfaces have.
+    pub method: Method,
+    /// Samples a pixel.
+    pub samples: Samples,
     /// Tessellation level.
     pub level: TessLevel,
     /// Lines instead of filled triangles.
@@ -56,10 +60,34 @@ impl Default for RenderSettings {
     fn default() -> Self {
         Self {
             background: [0.2, 0.2, 0.25, 1.0],
+            method: Method::default(),
+            samples: Samples::default(),
             level: TessLevel::default(),
             wireframe: false,
             control_points: false,
             newton: Newton::default(),
+        }
+    }
+}
+
+/// Whose trims and normals a picture has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Method {
+    /// The ported one: trims by Newton's method, the listings' normals, with their limits.
+    Thesis,
+    /// Trims that are right at every sample, true normals.
+    #[default]
+    Exact,
+}
+
+impl std::str::FromStr for Method {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "thesis" => Ok(Self::Thesis),
+            "exact" => Ok(Self::Exact),
+            _ => Err(Error::invalid("method", format!("\"{name}\""), "\"exact\" or \"thesis\"")),
         }
     }
 }
@@ -95,6 +123,36 @@ impl Default for TessLevel {
     /// 32, twice what the thesis calls the least for a detailed surface.
     fn default() -> Self {
         Self(32)
+    }
+}
+
+/// How many samples of a pixel are averaged: a power of two from 1 to 256.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Samples(u32);
+
+impl Samples {
+    /// A number of samples.
+    ///
+    /// # Errors
+    /// Anything but 1, 2, 4, … 256.
+    pub fn new(samples: i64) -> Result<Self> {
+        match u32::try_from(samples) {
+            Ok(samples @ 1..=256) if samples.is_power_of_two() => Ok(Self(samples)),
+            _ => Err(Error::invalid("samples", samples, "1, 2, 4, 8, 16, 32, 64, 128 or 256")),
+        }
+    }
+
+    /// The number.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl Default for Samples {
+    /// One, at the pixel's centre.
+    fn default() -> Self {
+        Self(1)
     }
 }
 

@@ -1,19 +1,22 @@
 //! The ported class: one freeform surface with its control points and trims on the GPU.
 
+mod trims;
+
 use std::sync::Arc;
 
-use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, Vec4};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
 
 use crate::bezier::{check_coordinates, homogeneous};
 use crate::gpu::{Buffer, Program, Texture};
-use crate::renderer::programs::{TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location};
+use crate::renderer::programs::TrimFeatures;
 use crate::renderer::{Frame, Renderer};
 use crate::scene::default_control_points;
 use crate::trim::holds;
 use crate::{
-    Circle, Degree, Ellipse, Error, Image, Interval, Newton, NewtonTrims, Paint, Result, Segment,
+    Circle, Degree, Ellipse, Error, Image, Interval, Keep, Method, Newton, Paint, Result, Segment,
     Shading, Surface, TrimLoop, Trims,
 };
+use trims::UploadedTrims;
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
@@ -23,12 +26,10 @@ use crate::{
 #[derive(Debug)]
 pub struct FreeFormSurface {
     surface: Surface,
-    loops: NewtonTrims,
     control_points: Buffer,
     texture: Arc<Texture>,
-    trim_points: Option<Buffer>,
-    trim_shapes: Option<Buffer>,
-    trims_changed: bool,
+    /// None while there are none that are up to date.
+    uploaded_trims: Option<UploadedTrims>,
 }
 
 impl FreeFormSurface {
@@ -54,7 +55,7 @@ impl FreeFormSurface {
     /// One or more patches with everything that belongs to them.
     ///
     /// # Errors
-    /// Loops that the thesis' method cannot cut, a picture that the driver cannot hold, no memory.
+    /// Trims out of their range, a picture that the driver cannot hold, no memory.
     pub fn from_surface(renderer: &Renderer, surface: Surface) -> Result<Self> {
         let texture = Arc::new(surface.paint.upload(renderer.gl())?);
         Self::with_texture(renderer, surface, texture)
@@ -63,7 +64,7 @@ impl FreeFormSurface {
     /// The same with a texture that is there already, whatever the surface's paint says.
     ///
     /// # Errors
-    /// Loops that the thesis' method cannot cut, no memory.
+    /// Trims out of their range, no memory.
     pub fn with_texture(
         renderer: &Renderer,
         surface: Surface,
@@ -71,26 +72,18 @@ impl FreeFormSurface {
     ) -> Result<Self> {
         check_transform(&surface.transform)?;
         surface.trims.check()?;
-        let loops = NewtonTrims::from_loops(&surface.trims.loops)?;
         let points: Vec<Vec4> =
             surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
         let control_points = Buffer::new(renderer.gl(), "control points", &points)?;
-        Ok(Self {
-            surface,
-            loops,
-            control_points,
-            texture,
-            trim_points: None,
-            trim_shapes: None,
-            trims_changed: true,
-        })
+        Ok(Self { surface, control_points, texture, uploaded_trims: None })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
     /// them.
     ///
     /// # Errors
-    /// A shader that the driver does not take, or no memory for changed trims.
+    /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
+    /// method cannot cut.
     pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
         renderer.draw(self, frame)?;
         if frame.settings.control_points {
@@ -139,51 +132,51 @@ impl FreeFormSurface {
     }
 
     /// Switches the circles on.
-    pub const fn enable_circular_trimming(&mut self) {
+    pub fn enable_circular_trimming(&mut self) {
         self.surface.trims.circles_on = true;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the circles off; they are kept.
-    pub const fn disable_circular_trimming(&mut self) {
+    pub fn disable_circular_trimming(&mut self) {
         self.surface.trims.circles_on = false;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the intervals on.
-    pub const fn enable_interval_trimming(&mut self) {
+    pub fn enable_interval_trimming(&mut self) {
         self.surface.trims.intervals_on = true;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the intervals off; they are kept.
-    pub const fn disable_interval_trimming(&mut self) {
+    pub fn disable_interval_trimming(&mut self) {
         self.surface.trims.intervals_on = false;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the ellipses on.
-    pub const fn enable_ellipse_trimming(&mut self) {
+    pub fn enable_ellipse_trimming(&mut self) {
         self.surface.trims.ellipses_on = true;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the ellipses off; they are kept.
-    pub const fn disable_ellipse_trimming(&mut self) {
+    pub fn disable_ellipse_trimming(&mut self) {
         self.surface.trims.ellipses_on = false;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the Bézier loops on.
-    pub const fn enable_bezier_curve_trimming(&mut self) {
+    pub fn enable_bezier_curve_trimming(&mut self) {
         self.surface.trims.loops_on = true;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Switches the Bézier loops off; they are kept.
-    pub const fn disable_bezier_curve_trimming(&mut self) {
+    pub fn disable_bezier_curve_trimming(&mut self) {
         self.surface.trims.loops_on = false;
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// Makes this the one circle, as the thesis' call does; [`FreeFormSurface::add_circle`] adds.
@@ -192,7 +185,7 @@ impl FreeFormSurface {
     /// A radius that is negative or not finite, a centre that is not finite.
     pub fn circular_trimming(&mut self, radius: f64, center: DVec2) -> Result<()> {
         self.surface.trims.circles = vec![Circle::new(center, radius)?];
-        self.trims_changed = true;
+        self.uploaded_trims = None;
         Ok(())
     }
 
@@ -202,7 +195,7 @@ impl FreeFormSurface {
     /// Bounds that are not finite or not in order.
     pub fn interval_trimming(&mut self, u: DVec2, v: DVec2) -> Result<()> {
         self.surface.trims.intervals = vec![Interval::new(u, v)?];
-        self.trims_changed = true;
+        self.uploaded_trims = None;
         Ok(())
     }
 
@@ -213,7 +206,7 @@ impl FreeFormSurface {
     pub fn ellipse_trimming(&mut self, radius_u: f64, radius_v: f64, center: DVec2) -> Result<()> {
         let radii = DVec2::new(radius_u, radius_v);
         self.surface.trims.ellipses = vec![Ellipse::new(center, radii)?];
-        self.trims_changed = true;
+        self.uploaded_trims = None;
         Ok(())
     }
 
@@ -229,7 +222,8 @@ impl FreeFormSurface {
         p2: DVec2,
         p3: DVec2,
     ) -> Result<()> {
-        self.replace_loops(vec![quadratic_loop([p0, p1, p2, p3])?])
+        self.replace_loops(vec![quadratic_loop([p0, p1, p2, p3])?]);
+        Ok(())
     }
 
     /// Makes these the only loops: the outer one p0…p3, and inside it an island p4…p7.
@@ -247,7 +241,8 @@ impl FreeFormSurface {
     /// # Errors
     /// A point that is not finite.
     pub fn set_cubic_bezier_curve_trimming(&mut self, points: [DVec2; 6]) -> Result<()> {
-        self.replace_loops(vec![cubic_loop(points)?])
+        self.replace_loops(vec![cubic_loop(points)?]);
+        Ok(())
     }
 
     /// Makes these the only loops: the outer one p0…p5, and inside it an island p6…p11.
@@ -265,7 +260,7 @@ impl FreeFormSurface {
     /// What [`Circle::new`] refuses; the surface stays as it was.
     pub fn add_circle(&mut self, circle: Circle) -> Result<()> {
         self.surface.trims.circles.push(Circle::new(circle.center, circle.radius)?);
-        self.trims_changed = true;
+        self.uploaded_trims = None;
         Ok(())
     }
 
@@ -275,7 +270,7 @@ impl FreeFormSurface {
     /// What [`Interval::new`] refuses; the surface stays as it was.
     pub fn add_interval(&mut self, interval: Interval) -> Result<()> {
         self.surface.trims.intervals.push(Interval::new(interval.u, interval.v)?);
-        self.trims_changed = true;
+        self.uploaded_trims = None;
         Ok(())
     }
 
@@ -285,20 +280,25 @@ impl FreeFormSurface {
     /// What [`Ellipse::new`] refuses; the surface stays as it was.
     pub fn add_ellipse(&mut self, ellipse: Ellipse) -> Result<()> {
         self.surface.trims.ellipses.push(Ellipse::new(ellipse.center, ellipse.radii)?);
-        self.trims_changed = true;
+        self.uploaded_trims = None;
         Ok(())
     }
 
-    /// Adds a loop to those that are there; one inside another is an island.
+    /// Adds a loop to those that are there; one inside another is an island. The exact method takes
+    /// every loop; [`Method::Thesis`] draws those that [`NewtonTrims`](crate::NewtonTrims) takes.
     ///
     /// # Errors
-    /// A loop that the thesis' method cannot cut; the surface stays as it was.
+    /// More than 1,000,000 segments in all loops together; the surface stays as it was.
     pub fn add_trim_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
-        let loops = &mut self.surface.trims.loops;
-        loops.push(trim_loop);
-        self.loops = NewtonTrims::from_loops(loops).inspect_err(|_| drop(loops.pop()))?;
-        self.trims_changed = true;
+        self.surface.trims.add_loop(trim_loop)?;
+        self.uploaded_trims = None;
         Ok(())
+    }
+
+    /// Chooses which side of the loops stays. The thesis' method knows [`Keep::Outside`] alone.
+    pub fn set_keep(&mut self, keep: Keep) {
+        self.surface.trims.keep = keep;
+        self.uploaded_trims = None;
     }
 
     /// Removes every trim; the switches stay as they are.
@@ -308,8 +308,7 @@ impl FreeFormSurface {
         trims.intervals.clear();
         trims.ellipses.clear();
         trims.loops.clear();
-        self.loops = NewtonTrims::default();
-        self.trims_changed = true;
+        self.uploaded_trims = None;
     }
 
     /// The trims as they are now.
@@ -342,11 +341,9 @@ impl FreeFormSurface {
         &self.surface.transform
     }
 
-    fn replace_loops(&mut self, loops: Vec<TrimLoop>) -> Result<()> {
-        self.loops = NewtonTrims::from_loops(&loops)?;
+    fn replace_loops(&mut self, loops: Vec<TrimLoop>) {
         self.surface.trims.loops = loops;
-        self.trims_changed = true;
-        Ok(())
+        self.uploaded_trims = None;
     }
 
     fn replace_nested(&mut self, outer: TrimLoop, inner: TrimLoop) -> Result<()> {
@@ -358,7 +355,8 @@ impl FreeFormSurface {
                 "a loop inside the outer one",
             ));
         }
-        self.replace_loops(vec![outer, inner])
+        self.replace_loops(vec![outer, inner]);
+        Ok(())
     }
 
     pub(crate) const fn texture(&self) -> &Arc<Texture> {
@@ -373,74 +371,24 @@ impl FreeFormSurface {
         self.surface.control_points().len()
     }
 
-    /// The kinds of trims that the surface has, switched on or not: a switch compiles nothing.
-    pub(crate) fn trim_features(&self) -> TrimFeatures {
+    /// Brings changed trims to the GPU, in the form of a method; returns what its program must know.
+    pub(crate) fn upload_trims(
+        &mut self,
+        gl: &Arc<glow::Context>,
+        method: Method,
+    ) -> Result<TrimFeatures> {
         let trims = &self.surface.trims;
-        TrimFeatures {
-            circles: !trims.circles.is_empty(),
-            intervals: !trims.intervals.is_empty(),
-            ellipses: !trims.ellipses.is_empty(),
-            more_shapes: trims.circles.len() > 1
-                || trims.intervals.len() > 1
-                || trims.ellipses.len() > 1,
-            quadratics: !self.loops.quadratic.is_empty(),
-            nested_quadratics: !self.loops.nested_quadratic.is_empty(),
-            cubics: !self.loops.cubic.is_empty(),
-            nested_cubics: !self.loops.nested_cubic.is_empty(),
-        }
+        let uploaded = match self.uploaded_trims.take() {
+            Some(uploaded) if uploaded.method() == method => uploaded,
+            _ => UploadedTrims::new(gl, trims, method)?,
+        };
+        Ok(self.uploaded_trims.insert(uploaded).features(trims))
     }
 
-    /// Brings changed trims to the GPU.
-    pub(crate) fn upload_trims(&mut self, gl: &Arc<glow::Context>) -> Result<()> {
-        if !self.trims_changed {
-            return Ok(());
-        }
-        let points: Vec<Vec2> = self.loops.points().map(|point| point.as_vec2()).collect();
-        self.trim_points = uploaded(gl, "trim points", &points)?;
-        self.trim_shapes = uploaded(gl, "trim shapes", &more_shapes(&self.surface.trims))?;
-        self.trims_changed = false;
-        Ok(())
-    }
-
-    /// Sets the uniforms and buffers of the trims that [`FreeFormSurface::trim_features`] tells.
+    /// Sets the uniforms and buffers of the trims that were uploaded last.
     pub(crate) fn set_trims(&self, program: &Program, newton: &Newton) {
-        let trims = &self.surface.trims;
-        let switch = |on: bool, count: usize| if on { count as i32 } else { 0 };
-        if let Some(circle) = trims.circles.first() {
-            program.set_i32(location::CIRC_BOOL, switch(trims.circles_on, trims.circles.len()));
-            program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());
-            program.set_f32(location::TRIM_RADIUS, circle.radius as f32);
-        }
-        if let Some(interval) = trims.intervals.first() {
-            let count = switch(trims.intervals_on, trims.intervals.len());
-            program.set_i32(location::INTERVAL_BOOL, count);
-            program.set_vec2(location::TRIM_VALUES_X, interval.u.as_vec2());
-            program.set_vec2(location::TRIM_VALUES_Y, interval.v.as_vec2());
-        }
-        if let Some(ellipse) = trims.ellipses.first() {
-            program
-                .set_i32(location::ELLIPSE_BOOL, switch(trims.ellipses_on, trims.ellipses.len()));
-            program.set_vec2(location::TRIM_ELLIPSE_CENTER, ellipse.center.as_vec2());
-            program.set_f32(location::TRIM_RADIUS_1, ellipse.radii.x as f32);
-            program.set_f32(location::TRIM_RADIUS_2, ellipse.radii.y as f32);
-        }
-        for (location, count) in [
-            (location::BEZIER_BOOL, self.loops.quadratic.len()),
-            (location::BEZIER_BOOL_2, self.loops.nested_quadratic.len()),
-            (location::CUBIC_BEZIER_BOOL, self.loops.cubic.len()),
-            (location::CUBIC_BEZIER_BOOL_2, self.loops.nested_cubic.len()),
-        ] {
-            if count > 0 {
-                program.set_i32(location, switch(trims.loops_on, count));
-            }
-        }
-        if let Some(points) = &self.trim_points {
-            points.bind_storage(TRIM_POINTS_BINDING);
-            program.set_i32(location::NEWTON_ITERATIONS, newton.iterations() as i32);
-            program.set_f32(location::NEWTON_EPSILON, newton.epsilon() as f32);
-        }
-        if let Some(shapes) = &self.trim_shapes {
-            shapes.bind_storage(TRIM_SHAPES_BINDING);
+        if let Some(uploaded) = &self.uploaded_trims {
+            uploaded.set(&self.surface.trims, program, newton);
         }
     }
 }
@@ -467,45 +415,6 @@ impl Paint {
             }
         }
     }
-}
-
-fn uploaded<T: bytemuck::Pod>(
-    gl: &Arc<glow::Context>,
-    label: &str,
-    values: &[T],
-) -> Result<Option<Buffer>> {
-    if values.is_empty() {
-        return Ok(None);
-    }
-    Buffer::new(gl, label, values).map(Some)
-}
-
-/// What the uniforms have no room for, of the kinds that are switched on: circles, then intervals,
-/// then ellipses, each from the second on.
-fn more_shapes(trims: &Trims) -> Vec<Vec4> {
-    let mut shapes = Vec::new();
-    if trims.circles_on {
-        shapes.extend(
-            trims
-                .circles
-                .iter()
-                .skip(1)
-                .map(|circle| circle.center.as_vec2().extend(circle.radius as f32).extend(0.0)),
-        );
-    }
-    if trims.intervals_on {
-        shapes.extend(trims.intervals.iter().skip(1).map(|interval| {
-            let (u, v) = (interval.u.as_vec2(), interval.v.as_vec2());
-            Vec4::new(u.x, u.y, v.x, v.y)
-        }));
-    }
-    if trims.ellipses_on {
-        shapes.extend(trims.ellipses.iter().skip(1).map(|ellipse| {
-            let (center, radii) = (ellipse.center.as_vec2(), ellipse.radii.as_vec2());
-            Vec4::new(center.x, center.y, radii.x, radii.y)
-        }));
-    }
-    shapes
 }
 
 fn quadratic_loop([p0, p1, p2, p3]: [DVec2; 4]) -> Result<TrimLoop> {

@@ -3,11 +3,19 @@
 //! Circles, intervals and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
 //! inside a loop is an island that stays.
 
+mod exact;
+mod grid;
 mod inside;
+mod lattice;
 mod newton;
+mod path;
+mod pieces;
+mod shapes;
 
 use glam::DVec2;
 
+pub use exact::TrimGrid;
+pub(crate) use exact::Lookup;
 pub use inside::inside_loops;
 pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};
@@ -17,6 +25,22 @@ use crate::{Error, Result};
 
 /// Ends of neighbouring curves closer than this (in the domain's unit) are taken as one point.
 const SNAP: f64 = 1e-6;
+
+/// The most segments that the loops of one surface have together.
+const MAX_SEGMENTS: usize = 1_000_000;
+
+/// Checks the number of segments of a loop, with `others` before it.
+fn check_count(number: usize, count: usize, others: usize) -> Result<()> {
+    if others + count > MAX_SEGMENTS {
+        let segment = MAX_SEGMENTS - others;
+        return Err(Error::invalid(
+            format!("loop {number}, segment {segment}"),
+            format!("number {} of the surface's segments", MAX_SEGMENTS + 1),
+            format!("at most {MAX_SEGMENTS}"),
+        ));
+    }
+    Ok(())
+}
 
 fn check_finite(name: &str, point: DVec2) -> Result<()> {
     check_coordinates(name, point.extend(0.0))
@@ -215,6 +239,7 @@ impl TrimLoop {
             }
         }
         let count = segments.len();
+        check_count(0, count, 0)?;
         for i in 0..count {
             let next = (i + 1) % count;
             let (end, start) = (segments[i].end(), segments[next].start());
@@ -247,6 +272,16 @@ impl TrimLoop {
     }
 }
 
+/// Which side of the loops stays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Keep {
+    /// What lies outside: the loops are holes, and a loop in a hole is an island.
+    #[default]
+    Outside,
+    /// What lies inside: the outermost loop is the surface's border, and a loop in it a hole.
+    Inside,
+}
+
 /// All trims of one surface, and which kinds are switched on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trims {
@@ -258,6 +293,8 @@ pub struct Trims {
     pub ellipses: Vec<Ellipse>,
     /// Loops, combined by even-odd while [`Trims::loops_on`].
     pub loops: Vec<TrimLoop>,
+    /// Which side of the loops stays, if there are any.
+    pub keep: Keep,
     /// Switch of the circles.
     pub circles_on: bool,
     /// Switch of the intervals.
@@ -276,6 +313,7 @@ impl Default for Trims {
             intervals: Vec::new(),
             ellipses: Vec::new(),
             loops: Vec::new(),
+            keep: Keep::Outside,
             circles_on: true,
             intervals_on: true,
             ellipses_on: true,
@@ -285,11 +323,28 @@ impl Default for Trims {
 }
 
 impl Trims {
+    /// Adds a loop.
+    ///
+    /// # Errors
+    /// More than 1,000,000 segments in all loops together, by the numbers of loop and segment; the
+    /// trims stay as they were.
+    pub fn add_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
+        let others = self.loops.iter().map(|other| other.segments.len()).sum();
+        check_count(self.loops.len(), trim_loop.segments.len(), others)?;
+        self.loops.push(trim_loop);
+        Ok(())
+    }
+
     /// Checks every shape, as its constructor would have: the fields are public.
     ///
     /// # Errors
-    /// The first shape that its constructor refuses.
+    /// The first shape that its constructor refuses, too many segments.
     pub(crate) fn check(&self) -> Result<()> {
+        let mut segments = 0;
+        for (number, trim_loop) in self.loops.iter().enumerate() {
+            check_count(number, trim_loop.segments.len(), segments)?;
+            segments += trim_loop.segments.len();
+        }
         for circle in &self.circles {
             Circle::new(circle.center, circle.radius)?;
         }
@@ -313,7 +368,8 @@ impl Trims {
     /// Whether `uv` is cut, decided exactly.
     #[must_use]
     pub fn cut(&self, uv: DVec2) -> bool {
-        self.shapes_cut(uv) || (self.loops_on && inside_loops(&self.loops, uv))
+        let loops_cut = || inside_loops(&self.loops, uv) != (self.keep == Keep::Inside);
+        self.shapes_cut(uv) || (self.loops_on && !self.loops.is_empty() && loops_cut())
     }
 }
 

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, Framebuffer};
 use freeform_surface::{
-    Backend, Error, Frame, Headless, Image, PreparedScene, Renderer, Result, Scene,
+    Backend, Error, Frame, Headless, Image, Method, NewtonTrims, PreparedScene, Renderer, Result,
+    Samples, Scene,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -19,9 +20,16 @@ use super::{RenderArguments, say};
 pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(), Vec<Error>> {
     let mut job = Job::new(arguments.backend, arguments.resolution).map_err(|error| vec![error])?;
     job.verbose = arguments.verbose;
+    let scenes: Vec<_> =
+        arguments.scenes.iter().map(|path| (path, Loaded::read(path, arguments))).collect();
+    let loaded = || scenes.iter().filter_map(|(_, loaded)| loaded.as_ref().ok());
+    // No picture may take the place of what any of the scenes was read from.
+    let sources: Vec<PathBuf> =
+        loaded().flat_map(|loaded| loaded.scene.files.iter().cloned()).collect();
+    let drawings: u64 = loaded().map(|loaded| job.drawings(&loaded.scene)).sum();
     // Without a terminal indicatif draws nothing.
-    let bar = if outputs.len() > 1 && !arguments.verbose {
-        ProgressBar::new(outputs.len() as u64)
+    let bar = if drawings > 1 && !arguments.verbose {
+        ProgressBar::new(drawings)
     } else {
         ProgressBar::hidden()
     };
@@ -29,27 +37,18 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
         bar.set_style(style);
     }
     let mut errors = Vec::new();
-    let scenes: Vec<_> =
-        arguments.scenes.iter().map(|path| (path, Loaded::read(path, arguments))).collect();
-    // No picture may take the place of what any of the scenes was read from.
-    let sources: Vec<PathBuf> = scenes
-        .iter()
-        .filter_map(|(_, loaded)| loaded.as_ref().ok())
-        .flat_map(|loaded| loaded.scene.files.iter().cloned())
-        .collect();
     for ((path, loaded), output) in scenes.into_iter().zip(outputs) {
         bar.set_message(path.display().to_string());
         let done = loaded.and_then(|loaded| {
             output.check_keeps(&sources)?;
             job.load = loaded.time;
-            job.render(&loaded.scene, output)
+            job.render(&loaded.scene, output, &bar)
         });
         match done {
             Ok(()) if *output == Output::Standard => {}
             Ok(()) => errors.extend(bar.suspend(|| say(format_args!("wrote {output}"))).err()),
             Err(error) => errors.push(error),
         }
-        bar.inc(1);
     }
     bar.finish_and_clear();
     if errors.is_empty() { Ok(()) } else { Err(errors) }
@@ -67,9 +66,20 @@ impl Loaded {
         let start = Instant::now();
         let mut scene = Scene::load(path)?;
         let settings = &mut scene.settings;
+        settings.method = arguments.method.unwrap_or(settings.method);
+        settings.samples = arguments.samples.unwrap_or(settings.samples);
         settings.level = arguments.level.unwrap_or(settings.level);
         settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
         settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
+        if scene.settings.method == Method::Thesis {
+            for surface in &scene.surfaces {
+                NewtonTrims::of(&surface.trims).map_err(|error| Error::File {
+                    action: "draw",
+                    path: path.to_owned(),
+                    reason: error.to_string(),
+                })?;
+            }
+        }
         Ok(Self { scene, time: start.elapsed() })
     }
 }
@@ -79,9 +89,9 @@ impl Loaded {
 struct Times {
     load: Duration,
     upload: Duration,
-    first_draw: Duration,
-    draw: Duration,
-    read: Duration,
+    first_frame: Duration,
+    frame: Duration,
+    picture: Duration,
     write: Duration,
 }
 
@@ -95,6 +105,8 @@ pub(super) struct Job {
     set_up: Duration,
     load: Duration,
     verbose: bool,
+    /// What the target is made for.
+    samples: Samples,
 }
 
 impl Job {
@@ -113,6 +125,7 @@ impl Job {
             set_up: start.elapsed(),
             load: Duration::ZERO,
             verbose: false,
+            samples: Samples::default(),
         })
     }
 
@@ -123,9 +136,14 @@ impl Job {
     }
 
     /// Draws a scene and writes its picture.
-    pub(super) fn render(&mut self, scene: &Scene, output: &Output) -> Result<()> {
+    pub(super) fn render(
+        &mut self,
+        scene: &Scene,
+        output: &Output,
+        bar: &ProgressBar,
+    ) -> Result<()> {
         let mut times = Times { load: self.load, ..Times::default() };
-        let image = self.draw(scene, &mut times)?;
+        let image = self.draw(scene, &mut times, bar)?;
         let start = Instant::now();
         output.write(&image)?;
         times.write = start.elapsed();
@@ -135,32 +153,42 @@ impl Job {
         Ok(())
     }
 
-    fn draw(&mut self, scene: &Scene, times: &mut Times) -> Result<Image> {
+    /// How often a scene is drawn for its picture.
+    fn drawings(&self, scene: &Scene) -> u64 {
+        let samples = scene.settings.samples.get();
+        let most = u32::try_from(self.context.info().max_samples).unwrap_or(0);
+        if samples <= most { 1 } else { samples.into() }
+    }
+
+    fn draw(&mut self, scene: &Scene, times: &mut Times, bar: &ProgressBar) -> Result<Image> {
         let start = Instant::now();
         let (width, height) = self.target.size();
         let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
         let gl = self.context.gl();
         // What an earlier picture left behind is not this one's fault.
         let _ = self.context.debug_log().take_errors();
+        let samples = frame.settings.samples;
+        if self.samples != samples {
+            self.target = Framebuffer::for_samples(gl, (width, height), samples)?;
+            self.samples = samples;
+        }
         let mut prepared = PreparedScene::new(&self.renderer, scene)?;
         gpu::finish(gl);
         times.upload = start.elapsed();
 
-        self.target.bind();
-        let start = Instant::now();
-        prepared.draw(&mut self.renderer, &frame)?;
-        gpu::finish(gl);
-        times.first_draw = start.elapsed();
         if self.verbose {
-            let start = Instant::now();
-            prepared.draw(&mut self.renderer, &frame)?;
-            gpu::finish(gl);
-            times.draw = start.elapsed();
+            self.target.bind();
+            for time in [&mut times.first_frame, &mut times.frame] {
+                let start = Instant::now();
+                prepared.draw(&mut self.renderer, &frame)?;
+                gpu::finish(gl);
+                *time = start.elapsed();
+            }
         }
-
         let start = Instant::now();
-        let image = self.target.read();
-        times.read = start.elapsed();
+        let image = prepared
+            .picture(&mut self.renderer, &self.target, &frame, |_, _| bar.inc(1))?;
+        times.picture = start.elapsed();
         let complaints = self.context.debug_log().take_errors();
         if !complaints.is_empty() {
             return Err(Error::Driver {
@@ -174,8 +202,8 @@ impl Job {
     fn print(&self, scene: &Scene, times: &Times) {
         let patches: usize = scene.surfaces.iter().map(|surface| surface.patches().len()).sum();
         let level = u64::from(scene.settings.level.get());
-        let compilation = times.first_draw.saturating_sub(times.draw);
-        let own = self.set_up + times.load + times.upload + times.draw + times.read + times.write;
+        let compilation = times.first_frame.saturating_sub(times.frame);
+        let own = self.set_up + times.load + times.upload + times.picture + times.write;
         eprintln!("{}", self.driver());
         eprintln!("patches {patches}, triangles {}", 2 * level * level * patches as u64);
         for (part, time) in [
@@ -185,9 +213,9 @@ impl Job {
             ("  set up the target", self.set_up),
             ("  read the scene", times.load),
             ("  frame and upload", times.upload),
-            ("  draw", times.draw),
-            ("  read the pixels back", times.read),
+            ("  draw and read back", times.picture),
             ("  write the picture", times.write),
+            ("one frame", times.frame),
         ] {
             eprintln!("{part:24} {:8.1} ms", time.as_secs_f64() * 1e3);
         }

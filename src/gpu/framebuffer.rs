@@ -12,9 +12,12 @@ pub struct Framebuffer {
     gl: Arc<glow::Context>,
     raw: glow::Framebuffer,
     _color: Renderbuffer,
-    _depth: Renderbuffer,
+    _depth: Option<Renderbuffer>,
     width: u32,
     height: u32,
+    samples: u32,
+    /// Where the samples of a pixel are averaged to, if there are several.
+    resolved: Option<Box<Self>>,
 }
 
 impl std::fmt::Debug for Framebuffer {
@@ -23,33 +26,79 @@ impl std::fmt::Debug for Framebuffer {
             .field("raw", &self.raw)
             .field("width", &self.width)
             .field("height", &self.height)
+            .field("samples", &self.samples)
             .finish_non_exhaustive()
     }
 }
 
 impl Framebuffer {
-    /// A picture of so many pixels, bound by nobody yet.
+    /// A picture of so many pixels, one sample each, bound by nobody yet.
     ///
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
     pub fn new(gl: &Arc<glow::Context>, width: u32, height: u32) -> Result<Self> {
-        let most = DriverInfo::of(gl).max_size;
-        let size = checked_size("resolution", (width, height), most)?;
-        let color = Renderbuffer::new(gl, "picture", glow::RGBA8, size)?;
-        let depth = Renderbuffer::new(gl, "depth", glow::DEPTH_COMPONENT32F, size)?;
+        Self::with_samples(gl, width, height, 1)
+    }
+
+    /// A picture whose pixels have several samples, or more where the driver has not so few;
+    /// [`Framebuffer::read`] averages them.
+    ///
+    /// # Errors
+    /// As [`Framebuffer::new`], and no sample or more than the driver has
+    /// ([`DriverInfo::max_samples`]).
+    pub fn with_samples(
+        gl: &Arc<glow::Context>,
+        width: u32,
+        height: u32,
+        samples: u32,
+    ) -> Result<Self> {
+        let info = DriverInfo::of(gl);
+        let size = checked_size("resolution", (width, height), info.max_size)?;
+        let most = u32::try_from(info.max_samples).unwrap_or(0).max(1);
+        if !(1..=most).contains(&samples) {
+            let range = format!("1 to {most} with this driver");
+            return Err(Error::invalid("samples of a framebuffer", samples, range));
+        }
+        let resolved = if samples > 1 {
+            let color = Renderbuffer::new(gl, "resolved picture", glow::RGBA8, size, 1)?;
+            Some(Box::new(Self::of(gl, color, None, None)?))
+        } else {
+            None
+        };
+        let color = Renderbuffer::new(gl, "picture", glow::RGBA8, size, samples)?;
+        let depth = Renderbuffer::new(gl, "depth", glow::DEPTH_COMPONENT32F, size, samples)?;
+        Self::of(gl, color, Some(depth), resolved)
+    }
+
+    fn of(
+        gl: &Arc<glow::Context>,
+        color: Renderbuffer,
+        depth: Option<Renderbuffer>,
+        resolved: Option<Box<Self>>,
+    ) -> Result<Self> {
+        let Renderbuffer { size: [width, height], samples, .. } = color;
         // SAFETY: the context is current (see the module); the framebuffer is new and ours, and
         // freed by `drop` from the moment `Self` holds it.
         unsafe {
             let raw = create("framebuffer", gl.create_named_framebuffer())?;
             for (buffer, attachment) in
-                [(&color, glow::COLOR_ATTACHMENT0), (&depth, glow::DEPTH_ATTACHMENT)]
+                [(Some(&color), glow::COLOR_ATTACHMENT0), (depth.as_ref(), glow::DEPTH_ATTACHMENT)]
             {
+                let Some(buffer) = buffer else { continue };
                 let kind = glow::RENDERBUFFER;
                 gl.named_framebuffer_renderbuffer(Some(raw), attachment, kind, Some(buffer.raw));
             }
             gl.object_label(glow::FRAMEBUFFER, raw.0.get(), Some("offscreen picture"));
-            let framebuffer =
-                Self { gl: Arc::clone(gl), raw, _color: color, _depth: depth, width, height };
+            let framebuffer = Self {
+                gl: Arc::clone(gl),
+                raw,
+                _color: color,
+                _depth: depth,
+                width: width as u32,
+                height: height as u32,
+                samples,
+                resolved,
+            };
             let status = gl.check_named_framebuffer_status(Some(raw), glow::FRAMEBUFFER);
             if status != glow::FRAMEBUFFER_COMPLETE {
                 return Err(Error::Driver {
@@ -76,12 +125,40 @@ impl Framebuffer {
         (self.width, self.height)
     }
 
-    /// The pixels as they are now, first row on top.
+    /// Samples a pixel, as asked for.
+    #[must_use]
+    pub const fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// The pixels as they are now, first row on top; each the average of its samples.
     ///
     /// # Panics
     /// Never: the buffer has the size of the picture.
     #[must_use]
     pub fn read(&self) -> Image {
+        let (width, height) = (self.width as i32, self.height as i32);
+        if let Some(resolved) = &self.resolved {
+            // SAFETY: the context is current (see the module); both pictures have this size.
+            unsafe {
+                self.gl.disable(glow::SCISSOR_TEST);
+                self.gl.blit_named_framebuffer(
+                    Some(self.raw),
+                    Some(resolved.raw),
+                    0,
+                    0,
+                    width,
+                    height,
+                    0,
+                    0,
+                    width,
+                    height,
+                    glow::COLOR_BUFFER_BIT,
+                    glow::NEAREST,
+                );
+            }
+            return resolved.read();
+        }
         let row = 4 * self.width as usize;
         let mut bottom_up = vec![0; row * self.height as usize];
         transfer_plainly(&self.gl);
@@ -92,8 +169,8 @@ impl Framebuffer {
             self.gl.read_pixels(
                 0,
                 0,
-                self.width as i32,
-                self.height as i32,
+                width,
+                height,
                 glow::RGBA,
                 glow::UNSIGNED_BYTE,
                 PixelPackData::Slice(Some(&mut bottom_up)),
@@ -118,17 +195,29 @@ impl Drop for Framebuffer {
 struct Renderbuffer {
     gl: Arc<glow::Context>,
     raw: glow::Renderbuffer,
+    size: [i32; 2],
+    samples: u32,
 }
 
 impl Renderbuffer {
-    fn new(gl: &Arc<glow::Context>, label: &str, format: u32, size: [i32; 2]) -> Result<Self> {
+    fn new(
+        gl: &Arc<glow::Context>,
+        label: &str,
+        format: u32,
+        size: [i32; 2],
+        samples: u32,
+    ) -> Result<Self> {
+        let [width, height] = size;
+        // No samples is OpenGL's word for a plain picture.
+        let several = if samples > 1 { samples as i32 } else { 0 };
         // SAFETY: the context is current (see the module); the renderbuffer is new and ours.
         unsafe {
             let raw = create(label, gl.create_renderbuffer())?;
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(raw));
-            gl.renderbuffer_storage(glow::RENDERBUFFER, format, size[0], size[1]);
+            let kind = glow::RENDERBUFFER;
+            gl.renderbuffer_storage_multisample(kind, several, format, width, height);
             gl.object_label(glow::RENDERBUFFER, raw.0.get(), Some(label));
-            Ok(Self { gl: Arc::clone(gl), raw })
+            Ok(Self { gl: Arc::clone(gl), raw, size, samples })
         }
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, UVec3, Vec2, Vec3, Vec4};
 use glow::{HasContext, NativeUniformLocation};
 
 use super::create;
@@ -181,6 +181,23 @@ impl Program {
         // SAFETY: as in `set_mat4`.
         unsafe {
             self.gl.program_uniform_3_f32(self.raw, Some(&location), value.x, value.y, value.z);
+        }
+    }
+
+    /// Sets a `vec4`.
+    pub fn set_vec4(&self, location: u32, value: Vec4) {
+        let location = NativeUniformLocation(location);
+        let [x, y, z, w] = value.to_array();
+        // SAFETY: as in `set_mat4`.
+        unsafe { self.gl.program_uniform_4_f32(self.raw, Some(&location), x, y, z, w) }
+    }
+
+    /// Sets a `uvec3`.
+    pub fn set_uvec3(&self, location: u32, value: UVec3) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: as in `set_mat4`.
+        unsafe {
+            self.gl.program_uniform_3_u32(self.raw, Some(&location), value.x, value.y, value.z);
         }
     }
 

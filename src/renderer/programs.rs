@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
-use crate::{Degree, FreeFormSurface, Result, Shading};
+use crate::{Degree, FreeFormSurface, Method, Result, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -60,12 +60,28 @@ pub mod location {
     pub const SHOW_CONTROL_POINTS: u32 = 22;
     /// `pointSize`.
     pub const POINT_SIZE: u32 = 23;
+    /// `loopBox`.
+    pub const LOOP_BOX: u32 = 24;
+    /// `loopScale`.
+    pub const LOOP_SCALE: u32 = 25;
+    /// `loopCells`.
+    pub const LOOP_CELLS: u32 = 26;
+    /// `keepInside`.
+    pub const KEEP_INSIDE: u32 = 27;
+    /// `shapeBox`.
+    pub const SHAPE_BOX: u32 = 28;
+    /// `shapeScale`.
+    pub const SHAPE_SCALE: u32 = 29;
+    /// `shapeCells`.
+    pub const SHAPE_CELLS: u32 = 30;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.
 pub const TRIM_POINTS_BINDING: u32 = 1;
 /// Binding point of `trimShapesSsbo`.
 pub const TRIM_SHAPES_BINDING: u32 = 2;
+/// Binding point of `trimGridSsbo`.
+pub const TRIM_GRID_BINDING: u32 = 1;
 
 /// Which stages draw something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -74,17 +90,26 @@ pub enum Pipeline {
     Thesis(Degree),
     /// The report: 5×5 points, Bernstein, texture alone.
     Report,
+    /// The exact method: true normals, trims by a grid, decided for each sample of a pixel.
+    Exact {
+        /// Of the patches.
+        degree: Degree,
+        /// Samples a pixel of the target.
+        samples: u32,
+    },
     /// Control points as squares.
     Points,
 }
 
 impl Pipeline {
-    /// The report draws what it can, unlit 5×5 patches; the thesis everything else.
+    /// How a method draws a surface. Of the thesis' two works the report draws what it can, unlit 5×5
+    /// patches, and the thesis everything else.
     #[must_use]
-    pub fn of(surface: &FreeFormSurface) -> Self {
-        match (surface.degree(), surface.shading()) {
-            (Degree::Quartic, Shading::Unlit) => Self::Report,
-            (degree, _) => Self::Thesis(degree),
+    pub fn of(surface: &FreeFormSurface, method: Method, samples: u32) -> Self {
+        match (method, surface.degree(), surface.shading()) {
+            (Method::Exact, degree, _) => Self::Exact { degree, samples },
+            (Method::Thesis, Degree::Quartic, Shading::Unlit) => Self::Report,
+            (Method::Thesis, degree, _) => Self::Thesis(degree),
         }
     }
 }
@@ -108,9 +133,27 @@ pub struct TrimFeatures {
     pub cubics: bool,
     /// `cubicBezierBool2`.
     pub nested_cubics: bool,
+    /// The exact method's loops.
+    pub loop_grid: bool,
+    /// The exact method's circles, intervals and ellipses.
+    pub shape_grid: bool,
 }
 
 impl TrimFeatures {
+    /// No trims.
+    pub const NONE: Self = Self {
+        circles: false,
+        intervals: false,
+        ellipses: false,
+        more_shapes: false,
+        quadratics: false,
+        nested_quadratics: false,
+        cubics: false,
+        nested_cubics: false,
+        loop_grid: false,
+        shape_grid: false,
+    };
+
     /// Everything that listing 13 has.
     pub const ALL: Self = Self {
         circles: true,
@@ -121,6 +164,7 @@ impl TrimFeatures {
         nested_quadratics: true,
         cubics: true,
         nested_cubics: true,
+        ..Self::NONE
     };
 
     /// Whether there is a loop of any form.
@@ -129,10 +173,15 @@ impl TrimFeatures {
     }
 
     const fn any(&self) -> bool {
-        self.circles || self.intervals || self.ellipses || self.loops()
+        self.circles
+            || self.intervals
+            || self.ellipses
+            || self.loops()
+            || self.loop_grid
+            || self.shape_grid
     }
 
-    const fn defines(&self) -> [(&'static str, bool); 9] {
+    const fn defines(&self) -> [(&'static str, bool); 11] {
         [
             ("TRIMMED", self.any()),
             ("CIRCLES", self.circles),
@@ -143,6 +192,8 @@ impl TrimFeatures {
             ("NESTED_QUADRATICS", self.nested_quadratics),
             ("CUBICS", self.cubics),
             ("NESTED_CUBICS", self.nested_cubics),
+            ("LOOPS", self.loop_grid),
+            ("SHAPES", self.shape_grid),
         ]
     }
 }
@@ -165,7 +216,11 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 9] = glsl![
+const FILES: [(&str, &str); 13] = glsl![
+    "common/phong.glsl",
+    "common/trim.glsl",
+    "exact/surface.tese",
+    "exact/surface.frag",
     "thesis/surface.vert",
     "thesis/surface.tesc",
     "thesis/surface.tese",
@@ -241,6 +296,16 @@ impl Sources {
                     (Fragment, "report/surface.frag"),
                 ],
             ),
+            Pipeline::Exact { degree, .. } => (
+                "exact surface",
+                degree.side(),
+                &[
+                    (Vertex, "thesis/surface.vert"),
+                    (TessControl, "thesis/surface.tesc"),
+                    (TessEvaluation, "exact/surface.tese"),
+                    (Fragment, "exact/surface.frag"),
+                ],
+            ),
             Pipeline::Points => (
                 "control points",
                 1,
@@ -248,6 +313,11 @@ impl Sources {
             ),
         };
         let mut defines = vec![("SIDE", side as u32)];
+        let mut trim = "thesis/trim.glsl";
+        if let Pipeline::Exact { samples, .. } = key.pipeline {
+            defines.push(("SAMPLES", samples));
+            trim = "common/trim.glsl";
+        }
         match key.shading {
             Shading::Phong => defines.push(("PHONG", 1)),
             Shading::Unlit => {}
@@ -259,9 +329,12 @@ impl Sources {
         let stages: Vec<Stage> = files
             .iter()
             .map(|(kind, file)| {
-                let mut parts = Vec::with_capacity(2);
+                let mut parts = Vec::with_capacity(3);
+                if *kind == Fragment && key.shading == Shading::Phong {
+                    parts.push(self.part("common/phong.glsl"));
+                }
                 if *kind == Fragment && key.trims.any() {
-                    parts.push(self.part("thesis/trim.glsl"));
+                    parts.push(self.part(trim));
                 }
                 parts.push(self.part(file));
                 Stage { kind: *kind, parts }

@@ -11,14 +11,14 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::{
-    Image, Paint, RenderSettings, Scene, Shading, Surface, TessLevel, bpt, default_control_points,
+    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel, bpt, default_control_points,
     line_of, load_texture, read_text,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
 use crate::{
-    Camera, Circle, Degree, Ellipse, Error, Interval, Newton, NewtonTrims, Result, Segment,
-    TrimLoop,
+    Camera, Circle, Degree, Ellipse, Error, Interval, Keep, Newton, NewtonTrims, Result, Segment,
+    TrimLoop, Trims,
 };
 
 #[derive(Deserialize)]
@@ -51,19 +51,12 @@ const fn upright() -> DVec3Value {
 #[serde(deny_unknown_fields, default)]
 struct RenderTable {
     background: Option<Spanned<[f32; 4]>>,
-    /// Only one method so far; the key is there so that a scene can say which it was made for.
-    #[serde(rename = "method")]
-    _method: Option<Method>,
+    method: Option<Spanned<String>>,
+    samples: Option<Spanned<i64>>,
     level: Option<Spanned<i64>>,
     wireframe: bool,
     control_points: bool,
     newton: Option<Spanned<NewtonTable>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Method {
-    Thesis,
 }
 
 #[derive(Deserialize)]
@@ -86,7 +79,17 @@ struct SurfaceTable {
     rotate_degrees: Option<DVec3Value>,
     scale: Option<f64>,
     #[serde(default)]
+    keep: KeepName,
+    #[serde(default)]
     trim: Vec<Spanned<TrimTable>>,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+enum KeepName {
+    #[default]
+    Outside,
+    Inside,
 }
 
 #[derive(Deserialize, Default, Clone, Copy, PartialEq)]
@@ -106,6 +109,7 @@ enum TrimTable {
     Interval { u: [f64; 2], v: [f64; 2] },
     Ellipse { center: [f64; 2], radii: [f64; 2] },
     Loop(Vec<Vec<[f64; 2]>>),
+    Path(String),
 }
 
 /// `"default"`, or points of three or four numbers.
@@ -176,8 +180,9 @@ impl<'de> Deserialize<'de> for ControlPoint {
     }
 }
 
-/// The most bytes of one `[[surface]]` with its trims. The toml crate takes up to 250 times as much
-/// memory; a control net that is larger has its place in a .bpt file.
+/// The most bytes of one `[[surface]]` with its trims, not counting what stands in quotes. The toml
+/// crate takes up to 250 times as much memory; a control net that is larger has its place in a .bpt
+/// file, a long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 
 /// Parses a scene; `path` is for the errors and for the folder of the files it names.
@@ -190,13 +195,16 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
     let mut camera = None;
     let mut settings = None;
     let mut surfaces = Vec::new();
+    let mut loop_places = Vec::new();
     for chunk in chunks(text) {
         builder.chunk = chunk.start;
         let document = builder.document(&text[chunk])?;
         builder.once("camera", &mut camera, document.camera, camera_of)?;
         builder.once("render", &mut settings, document.render, settings_of)?;
         for table in document.surface {
-            surfaces.extend(builder.surfaces(table)?);
+            let (new, places) = builder.surfaces(table)?;
+            loop_places.extend(new.iter().map(|_| places.clone()));
+            surfaces.extend(new);
         }
     }
     if surfaces.is_empty() {
@@ -204,7 +212,13 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
-    let settings = settings.unwrap_or_default();
+    let settings: RenderSettings = settings.unwrap_or_default();
+    if settings.method == Method::Thesis {
+        builder.chunk = 0;
+        for (surface, places) in std::iter::zip(&surfaces, &loop_places) {
+            builder.check_for_thesis(&surface.trims, places)?;
+        }
+    }
     Ok(Scene { files: builder.files, camera, up: DVec3::Y, settings, surfaces })
 }
 
@@ -221,6 +235,45 @@ fn chunks(text: &str) -> Vec<Range<usize>> {
     }
     let ends = starts.iter().skip(1).copied().chain([text.len()]);
     std::iter::zip(starts.iter().copied(), ends).map(|(start, end)| start..end).collect()
+}
+
+/// The bytes of a TOML text less those inside its strings.
+fn bytes_outside_quotes(text: &str) -> usize {
+    let mut rest = text;
+    let mut outside = 0;
+    while let Some(start) = rest.find(['"', '\'', '#']) {
+        outside += start;
+        rest = &rest[start..];
+        let quote = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|quote| rest.starts_with(quote));
+        rest = match quote {
+            // A comment.
+            None => {
+                let end = rest.find('\n').unwrap_or(rest.len());
+                outside += end;
+                &rest[end..]
+            }
+            Some(quote) => &rest[quote.len() + length_of_string(&rest[quote.len()..], quote)..],
+        };
+    }
+    outside + rest.len()
+}
+
+/// The length of a string up to and with its closing quote; without one, of its line or of the rest.
+fn length_of_string(text: &str, quote: &str) -> usize {
+    let escapes = quote.starts_with('"');
+    let mut escaped = false;
+    for (at, byte) in text.bytes().enumerate() {
+        if escaped {
+            escaped = false;
+        } else if escapes && byte == b'\\' {
+            escaped = true;
+        } else if text.as_bytes()[at..].starts_with(quote.as_bytes()) {
+            return at + quote.len();
+        } else if byte == b'\n' && quote.len() == 1 {
+            return at;
+        }
+    }
+    text.len()
 }
 
 struct Builder<'a> {
@@ -249,13 +302,14 @@ impl Builder<'_> {
     }
 
     fn document(&self, chunk: &str) -> Result<Document> {
-        let size = chunk.len();
+        let size = bytes_outside_quotes(chunk);
         if size > MAX_SURFACE_BYTES {
             return Err(self.at(
                 0,
                 format!(
-                    "{size} bytes up to the next [[surface]]; expected at most \
-                     {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file"
+                    "{size} bytes up to the next [[surface]], without those in quotes; expected at \
+                     most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file, a long \
+                     trim in a path"
                 ),
             ));
         }
@@ -287,8 +341,18 @@ impl Builder<'_> {
         self.path.parent().unwrap_or_else(|| Path::new("")).join(file)
     }
 
-    /// The surface of one table; several if its file holds patches of two degrees.
-    fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<Vec<Surface>> {
+    /// Refuses trims that the thesis' method cannot cut; `places` are the bytes of the loops.
+    fn check_for_thesis(&self, trims: &Trims, places: &[usize]) -> Result<()> {
+        let Err(error) = NewtonTrims::of(trims) else { return Ok(()) };
+        Err(match NewtonTrims::sorted(&trims.loops) {
+            Err((to_blame, error)) => self.at(places[to_blame], error),
+            Ok(_) => self.at(places[0], error),
+        })
+    }
+
+    /// The surface of one table, several if its file holds patches of two degrees, and the bytes of
+    /// the text where its loops stand.
+    fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, Vec<usize>)> {
         let start = table.span().start;
         let table = table.into_inner();
         let mut surfaces = match (table.control_points, table.file) {
@@ -320,20 +384,28 @@ impl Builder<'_> {
                 ShadingName::Normals => Shading::Normals,
             };
         }
+        let mut trims = Trims {
+            keep: match table.keep {
+                KeepName::Outside => Keep::Outside,
+                KeepName::Inside => Keep::Inside,
+            },
+            ..Trims::default()
+        };
         let mut loop_places = Vec::new();
         for trim in table.trim {
-            if matches!(trim.get_ref(), TrimTable::Loop(_)) {
-                loop_places.push(trim.span().start);
-            }
-            self.check(trim, |trim| {
-                surfaces.iter_mut().try_for_each(|surface| add_trim(&trim, surface))
-            })?;
+            let place = self.chunk + trim.span().start;
+            self.check(trim, |trim| add_trim(trim, &mut trims))?;
+            loop_places.resize(trims.loops.len(), place);
         }
-        for surface in &surfaces {
-            NewtonTrims::sorted(&surface.trims.loops)
-                .map_err(|(to_blame, error)| self.at(loop_places[to_blame], error))?;
+        if trims.keep == Keep::Inside && trims.loops.is_empty() {
+            let borderless =
+                Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
+            return Err(self.at(start, borderless));
         }
-        Ok(surfaces)
+        for surface in &mut surfaces {
+            surface.trims = trims.clone();
+        }
+        Ok((surfaces, loop_places))
     }
 
     fn paint(
@@ -376,6 +448,12 @@ fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettin
     };
     if let Some(background) = table.background {
         settings.background = builder.check(background, |rgba| unit_range("background", rgba))?;
+    }
+    if let Some(method) = table.method {
+        settings.method = builder.check(method, |name| name.parse())?;
+    }
+    if let Some(samples) = table.samples {
+        settings.samples = builder.check(samples, Samples::new)?;
     }
     if let Some(level) = table.level {
         settings.level = builder.check(level, TessLevel::new)?;
@@ -444,25 +522,49 @@ fn transform(
         * DMat4::from_scale(DVec3::splat(scale)))
 }
 
-fn add_trim(trim: &TrimTable, surface: &mut Surface) -> Result<()> {
-    let trims = &mut surface.trims;
+fn add_trim(trim: TrimTable, trims: &mut Trims) -> Result<()> {
     match trim {
         TrimTable::Circle { center, radius } => {
-            trims.circles.push(Circle::new(DVec2::from(*center), *radius)?);
+            trims.circles.push(Circle::new(center.into(), radius)?);
         }
         TrimTable::Interval { u, v } => {
-            trims.intervals.push(Interval::new(DVec2::from(*u), DVec2::from(*v))?);
+            trims.intervals.push(Interval::new(u.into(), v.into())?);
         }
         TrimTable::Ellipse { center, radii } => {
-            trims.ellipses.push(Ellipse::new(DVec2::from(*center), DVec2::from(*radii))?);
+            trims.ellipses.push(Ellipse::new(center.into(), radii.into())?);
         }
         TrimTable::Loop(segments) => {
-            let segments = segments.iter().map(|points| {
+            let segments = segments.iter().enumerate().map(|(number, points)| {
                 let points: Vec<DVec2> = points.iter().map(|point| DVec2::from(*point)).collect();
-                Segment::new(&points)
+                Segment::new(&points).map_err(|error| error.within(format!("segment {number}")))
             });
-            trims.loops.push(TrimLoop::new(segments.collect::<Result<_>>()?)?);
+            let trim_loop = segments
+                .collect::<Result<_>>()
+                .and_then(TrimLoop::new)
+                .map_err(|error| error.within(format!("loop {}", trims.loops.len())))?;
+            trims.add_loop(trim_loop)?;
         }
+        TrimTable::Path(data) => trims.add_svg_path(&data)?,
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strings_do_not_count_and_comments_do() {
+        for (text, outside) in [
+            ("a = 1", 5),
+            ("a = \"12345\"", 4),
+            ("a = \"1\\\"2\" # \"x\"\n", 4 + 7),
+            ("a = \'\\\' # \'\nb = 1", 4 + 11),
+            ("p = \"\"\"\n1 \"2\" \\\"\"\" 3\n\"\"\"\nb = 1", 4 + 6),
+            ("p = '''\n1\\'''\nb", 4 + 2),
+            ("a = \"never closed\nb = \"2\"", 4 + 5),
+        ] {
+            assert_eq!(bytes_outside_quotes(text), outside, "{text}");
+        }
+    }
 }

@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::{Segment, TrimLoop, inside_loops};
+use super::{Keep, Segment, TrimLoop, Trims, inside_loops};
 use crate::{Error, Result};
 
 /// How long Newton's method goes on (listing 10; figures 29–34 vary both numbers).
@@ -181,6 +181,21 @@ impl NewtonTrims {
             }
         }
         Ok(trims)
+    }
+
+    /// Sorts the loops of a surface.
+    ///
+    /// # Errors
+    /// As [`NewtonTrims::from_loops`], and loops whose inside is kept.
+    pub fn of(trims: &Trims) -> Result<Self> {
+        if trims.keep == Keep::Inside && !trims.loops.is_empty() {
+            return Err(Error::invalid(
+                "keep",
+                "\"inside\"",
+                "\"outside\": the thesis' method can only cut holes",
+            ));
+        }
+        Self::from_loops(&trims.loops)
     }
 
     /// Every point in the order of the shader's buffer: form after form, loop after loop.

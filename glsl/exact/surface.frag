@@ -1,0 +1,37 @@
+// The thesis' light; trims are decided at each sample's own (u, v).
+//
+// SAMPLES is how many samples a pixel of the target has.
+
+in vec3 passNormal;
+in vec4 position;
+in vec2 passTessCoord;
+
+layout(binding = 0) uniform sampler2D colortexture;
+
+out vec4 fragmentColor;
+
+void main()
+{
+    // Sampled before anything is discarded: the texture's derivatives need all neighbours.
+    vec3 diffuseColor = texture(colortexture, passTessCoord).rgb;
+#if defined(TRIMMED) && SAMPLES > 1
+    int kept = 0;
+    for (int i = 0; i < SAMPLES; ++i)
+        if (!cut(interpolateAtSample(passTessCoord, i)))
+            kept |= 1 << i;
+    if (kept == 0)
+        discard;
+    gl_SampleMask[0] = kept;
+#elif defined(TRIMMED)
+    if (cut(passTessCoord))
+        discard;
+#endif
+#if defined(PHONG)
+    fragmentColor = vec4(lit(diffuseColor, position.xyz, passNormal), 1.0);
+#elif defined(NORMALS)
+    float size = length(passNormal);
+    fragmentColor = vec4(0.5 * (size > 0.0 ? passNormal / size : vec3(0.0)) + 0.5, 1.0);
+#else
+    fragmentColor = vec4(diffuseColor, 1.0);
+#endif
+}

@@ -1,0 +1,138 @@
+//! Pictures with several samples a pixel: by the driver's multisampling as far as it goes, beyond
+//! that by drawing the scene once for each sample and averaging.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec2, dvec2, dvec3};
+
+use super::{Frame, PreparedScene, Renderer};
+use crate::camera::Projection;
+use crate::gpu::{DriverInfo, Framebuffer};
+use crate::{Error, Image, Result, Samples};
+
+impl Framebuffer {
+    /// A target for pictures with so many samples: as many as asked for if the driver has them,
+    /// otherwise one, to be drawn into again and again by [`PreparedScene::picture`].
+    ///
+    /// # Errors
+    /// As [`Framebuffer::new`].
+    pub fn for_samples(
+        gl: &Arc<glow::Context>,
+        (width, height): (u32, u32),
+        samples: Samples,
+    ) -> Result<Self> {
+        let most = u32::try_from(DriverInfo::of(gl).max_samples).unwrap_or(0);
+        let at_once = if samples.get() <= most { samples.get() } else { 1 };
+        Self::with_samples(gl, width, height, at_once)
+    }
+}
+
+impl PreparedScene {
+    /// Draws the scene with the samples that the frame's settings ask for, and reads the picture.
+    /// Where the target has fewer samples, the scene is drawn once for each; `progress` is told how
+    /// many of how many drawings are done.
+    ///
+    /// Pixels are averages of colours times alpha, so that edges on a transparent background keep
+    /// the colour of what is drawn.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::draw`]; no memory for the picture.
+    pub fn picture(
+        &mut self,
+        renderer: &mut Renderer,
+        target: &Framebuffer,
+        frame: &Frame,
+        mut progress: impl FnMut(u32, u32),
+    ) -> Result<Image> {
+        let samples = frame.settings.samples.get();
+        let mut frame = *frame;
+        let background = frame.settings.background;
+        if samples > 1 {
+            let [red, green, blue, alpha] = background;
+            frame.settings.background = [red * alpha, green * alpha, blue * alpha, alpha];
+        }
+        target.bind();
+        let mut image = if samples <= target.samples() {
+            self.draw(renderer, &frame)?;
+            progress(1, 1);
+            target.read()
+        } else {
+            self.average(renderer, target, &frame, &mut progress)?
+        };
+        if samples > 1 && background[3] < 1.0 {
+            divide_by_alpha(&mut image, background);
+        }
+        Ok(image)
+    }
+
+    /// The average of one drawing for each sample.
+    fn average(
+        &mut self,
+        renderer: &mut Renderer,
+        target: &Framebuffer,
+        frame: &Frame,
+        progress: &mut impl FnMut(u32, u32),
+    ) -> Result<Image> {
+        let (width, height) = target.size();
+        let mut sums = vec![0.0_f32; 4 * width as usize * height as usize];
+        let samples = frame.settings.samples;
+        for (done, offset) in (1..).zip(sample_offsets(samples)) {
+            let projection = moved(&frame.projection, -offset, (width, height));
+            target.bind();
+            self.draw(renderer, &Frame { projection, settings: frame.settings })?;
+            for (sum, byte) in sums.iter_mut().zip(target.read().as_raw()) {
+                *sum += f32::from(*byte);
+            }
+            progress(done, samples.get());
+        }
+        let share = 1.0 / samples.get() as f32;
+        let bytes = sums.iter().map(|sum| (sum * share).round() as u8).collect();
+        Image::from_raw(width, height, bytes).ok_or_else(|| Error::Driver {
+            what: format!("a picture of {width}x{height} pixels"),
+            reason: "its size changed while it was drawn".into(),
+        })
+    }
+}
+
+/// Where the samples of a pixel lie, counted from its centre in pixels: a lattice of rank 1, which
+/// has each sample in a row and a column of its own. The factors are those of least error on
+/// straight edges of all directions.
+pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
+    let count = samples.get();
+    let factor = match count {
+        ..=2 => 1,
+        4 => 3,
+        8 | 16 => 5,
+        32 => 9,
+        64 => 27,
+        128 => 49,
+        _ => 115,
+    };
+    (0..count).map(move |i| {
+        let place = dvec2(f64::from(i), f64::from(i * factor % count));
+        (place + 0.5) / f64::from(count) - 0.5
+    })
+}
+
+/// The same view, its picture moved by so many pixels to the right and up.
+fn moved(projection: &Projection, by_px: DVec2, (width, height): (u32, u32)) -> Projection {
+    let shift = 2.0 * by_px / dvec2(width.into(), height.into());
+    let to_clip = DMat4::from_translation(dvec3(shift.x, shift.y, 0.0));
+    Projection { view: projection.view, projection: to_clip * projection.projection }
+}
+
+/// Colours times alpha back to colours; where nothing is drawn, to the background's.
+fn divide_by_alpha(image: &mut Image, background: [f32; 4]) {
+    let [red, green, blue, _] = background.map(|channel| (channel * 255.0).round() as u8);
+    for pixel in image.pixels_mut() {
+        let alpha = pixel.0[3];
+        if alpha == 0 {
+            pixel.0 = [red, green, blue, 0];
+        } else if alpha < 255 {
+            for channel in &mut pixel.0[..3] {
+                let color = f32::from(*channel) * 255.0 / f32::from(alpha);
+                *channel = color.round().min(255.0) as u8;
+            }
+        }
+    }
+}

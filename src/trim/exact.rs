@@ -1,0 +1,211 @@
+//! The trims of a surface as the exact method decides them: what the shaders get, and the same
+//! decision on the CPU.
+
+use glam::Vec2;
+
+use super::grid::{FINER, LIST, PIECE_WORDS};
+use super::lattice::Lattice;
+use super::pieces::{Piece, monotone_curves};
+use super::{Keep, Trims, grid, shapes};
+
+/// The greatest sample that is looked up: `f32`'s last number below 1.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
+/// The trims of a surface, compiled for fast and exact decisions.
+///
+/// It decides as [`Trims::cut`] does, for every sample further than 2·10⁻⁷ of the domain from a
+/// curve, in time that does not depend on the number of curves. The shaders read its words and
+/// decide bit for bit alike (`glsl/common/trim.glsl`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrimGrid {
+    words: Vec<u32>,
+    loops: Lookup,
+    shapes: Lookup,
+    keeps_inside: bool,
+    pieces: usize,
+}
+
+/// A grid in the words.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lookup {
+    /// Where it lies.
+    pub(crate) lattice: Lattice,
+    /// The word where its cells begin.
+    pub(crate) cells: u32,
+}
+
+impl TrimGrid {
+    /// Compiles the trims that are switched on.
+    #[must_use]
+    pub fn new(trims: &Trims) -> Self {
+        let mut words = Vec::new();
+        let cut_loops = trims.loops_on && !trims.loops.is_empty();
+        let curves = if cut_loops { monotone_curves(&trims.loops) } else { Vec::new() };
+        let lookup = |(lattice, cells)| Lookup { lattice, cells: cells as u32 };
+        let (loops, pieces) = grid::build(&curves, &mut words);
+        let loops = lookup(loops);
+        let shapes = lookup(shapes::build(trims, &mut words));
+        let keeps_inside = cut_loops && trims.keep == Keep::Inside;
+        Self { words, loops, shapes, keeps_inside, pieces }
+    }
+
+    /// Whether `uv` is cut, in the arithmetic of the shaders.
+    #[must_use]
+    pub fn cut(&self, uv: Vec2) -> bool {
+        let uv = uv.clamp(Vec2::ZERO, Vec2::splat(BELOW_ONE));
+        self.cut_by_shapes(uv) || self.inside_loops(uv) != self.keeps_inside
+    }
+
+    /// How many monotone pieces the loops were cut into; those are the first words, eight each.
+    #[must_use]
+    pub const fn pieces(&self) -> usize {
+        self.pieces
+    }
+
+    /// The words that the shaders read.
+    #[must_use]
+    pub fn words(&self) -> &[u32] {
+        &self.words
+    }
+
+    pub(crate) const fn loops(&self) -> &Lookup {
+        &self.loops
+    }
+
+    pub(crate) const fn shapes(&self) -> &Lookup {
+        &self.shapes
+    }
+
+    pub(crate) const fn keeps_inside(&self) -> bool {
+        self.keeps_inside
+    }
+
+    /// The cell of a sample, unless the sample is outside the grid.
+    fn cell(&self, lookup: &Lookup, uv: Vec2) -> Option<u32> {
+        let Lattice { least, most, .. } = lookup.lattice;
+        let inside = uv.cmpge(least).all() && uv.cmplt(most).all();
+        inside.then(|| self.words[lookup.cells as usize + lookup.lattice.cell_of(uv)])
+    }
+
+    fn cut_by_shapes(&self, uv: Vec2) -> bool {
+        match self.cell(&self.shapes, uv) {
+            None => false,
+            Some(cell) if cell & 3 != LIST => cell & 1 == 1,
+            Some(cell) => {
+                let list = (cell >> 2) as usize;
+                let count = (self.words[list] >> 1) as usize;
+                self.words[list + 1..][..count]
+                    .iter()
+                    .any(|reference| shapes::cuts(&self.words, *reference, uv))
+            }
+        }
+    }
+
+    fn inside_loops(&self, uv: Vec2) -> bool {
+        let Some(mut cell) = self.cell(&self.loops, uv) else { return false };
+        if cell & 3 == FINER {
+            let at = (cell >> 2) as usize;
+            let finer = Lattice::from_words(&self.words[at..]);
+            cell = self.words[at + Lattice::WORDS + finer.cell_of(uv)];
+        }
+        if cell & 3 != LIST {
+            return cell & 1 == 1;
+        }
+        let list = (cell >> 2) as usize;
+        let head = self.words[list];
+        let references = &self.words[list + 1..][..(head >> 1) as usize];
+        references.iter().fold(head & 1 == 1, |inside, reference| {
+            let piece = Piece::from_words(&self.words[(reference >> 2) as usize * PIECE_WORDS..]);
+            let end = match reference & 3 {
+                0 => false,
+                1 => piece.low.y <= uv.y,
+                _ => piece.high.y <= uv.y,
+            };
+            inside ^ piece.crosses(uv) ^ end
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Segment, TrimLoop, inside_loops};
+    use glam::{DVec2, dvec2, vec2};
+    use proptest::prelude::*;
+
+    impl TrimGrid {
+        /// The decision without the grid: every piece is tested.
+        fn inside_by_all_pieces(&self, uv: Vec2) -> bool {
+            self.words[..self.pieces * PIECE_WORDS]
+                .chunks_exact(PIECE_WORDS)
+                .fold(false, |inside, words| inside ^ Piece::from_words(words).crosses(uv))
+        }
+    }
+
+    fn closed(points: &[DVec2]) -> TrimLoop {
+        let n = points.len();
+        let segment = |i: usize| {
+            let at = |k: usize| points[(3 * i + k) % n];
+            Segment::Cubic([at(0), at(1), at(2), at(3)])
+        };
+        TrimLoop::new((0..n / 3).map(segment).collect()).unwrap()
+    }
+
+    fn grid_of(loops: &[TrimLoop]) -> TrimGrid {
+        TrimGrid::new(&Trims { loops: loops.to_vec(), ..Trims::default() })
+    }
+
+    /// Distance from a curve, by sampling.
+    fn distance(loops: &[TrimLoop], uv: DVec2) -> f64 {
+        let mut least = f64::INFINITY;
+        for segment in loops.iter().flat_map(TrimLoop::segments) {
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..12 {
+                let steps = 64;
+                let at = |i: i32| low + (high - low) * f64::from(i) / f64::from(steps);
+                let best = (0..=steps)
+                    .min_by(|a, b| {
+                        let to = |i: i32| segment.point(at(i)).distance(uv);
+                        to(*a).total_cmp(&to(*b))
+                    })
+                    .unwrap();
+                least = least.min(segment.point(at(best)).distance(uv));
+                (low, high) = (at((best - 1).max(0)), at((best + 1).min(steps)));
+            }
+        }
+        least
+    }
+
+    fn check(loops: &[TrimLoop], samples: impl Iterator<Item = Vec2>) {
+        let grid = grid_of(loops);
+        for uv in samples {
+            let clamped = uv.clamp(Vec2::ZERO, Vec2::splat(BELOW_ONE));
+            let decided = grid.cut(uv);
+            assert_eq!(decided, grid.inside_by_all_pieces(clamped), "grid and pieces at {uv:?}");
+            let uv = uv.as_dvec2();
+            if decided != inside_loops(loops, uv) {
+                let off = distance(loops, uv);
+                assert!(off < 2e-7, "{uv}: decided {decided}, {off:e} from the curve");
+            }
+        }
+    }
+
+    fn lattice_samples(n: u32) -> impl Iterator<Item = Vec2> {
+        (0..n * n).map(move |i| (vec2((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)
+    }
+
+    fn point() -> impl Strategy<Value = DVec2> {
+        (-0.3..1.3, -0.3..1.3).prop_map(|(x, y)| dvec2(x, y))
+    }
+
+    proptest! {
+        #[test]
+        fn random_loops_are_decided_as_the_oracle_does(
+            loops in prop::collection::vec(prop::collection::vec(point(), 6..=15), 1..4),
+        ) {
+            let loops: Vec<TrimLoop> =
+                loops.iter().map(|points| closed(&points[..points.len() / 3 * 3])).collect();
+            check(&loops, lattice_samples(48));
+        }
+    }
+}

@@ -1,0 +1,357 @@
+//! The exact method's grid over the loops of a surface: which pieces a sample must be tested
+//! against, and what is known without any.
+//!
+//! Whether a sample is inside is the parity of what a ray towards greater u crosses. Instead of
+//! following it to infinity, a sample is compared with the corner of its cell at the right and
+//! below, whose parity is stored: on the way there lie only pieces that touch the cell. (Shortcuts:
+//! Nehab and Hoppe 2008; Ganacim and others 2014.)
+//!
+//! A piece that touches the cell and leaves it to the right still meets the ray beyond. What follows
+//! it there cancels out, because the loop is closed, down to the row test of the end that lies to
+//! the right: a reference names that end, and both tests together count only what is in the cell.
+//!
+//! # Words
+//!
+//! The shader reads one buffer of 32-bit words: the pieces (8 words each), lists, and cells.
+//!
+//! | cell | meaning |
+//! |---|---|
+//! | 0, 1 | everything in it is outside, inside |
+//! | offset · 4 + 2 | a list: count · 2 + parity of the corner less its pieces', then the references |
+//! | offset · 4 + 3 | a finer lattice: least u, v, scale u, v, columns, rows, then its cells |
+//!
+//! A reference is piece · 4, plus 1 if the lower end lies right of the cell, 2 if the upper one.
+
+use glam::{DVec2, Vec2};
+
+use super::lattice::{Bounds, Lattice, touched};
+use super::pieces::{Curve, Piece, split};
+
+/// Words of a piece.
+pub(super) const PIECE_WORDS: usize = 8;
+/// Kind of a cell with a list.
+pub(super) const LIST: u32 = 2;
+/// Kind of a cell with a finer lattice.
+pub(super) const FINER: u32 = 3;
+
+/// Cells along a side.
+const SIDES: std::ops::RangeInclusive<u32> = 16..=256;
+/// A cell with more pieces than this is cut once more.
+const CROWDED: usize = 12;
+/// Cutting pieces to the size of cells makes at most this many, or so many for each curve.
+const MOST_PIECES: usize = 1 << 20;
+const MOST_PIECES_PER_CURVE: usize = 4;
+
+/// A piece as a cell refers to it: its number, and its end to the right of the cell.
+#[derive(Clone, Copy)]
+struct Reference {
+    piece: u32,
+    beyond: Beyond,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Beyond {
+    Neither,
+    Low,
+    High,
+}
+
+impl Reference {
+    fn new(piece: usize, shape: &Piece, right: f32) -> Self {
+        let beyond = match (shape.low.x > right, shape.high.x > right) {
+            (true, false) => Beyond::Low,
+            (false, true) => Beyond::High,
+            _ => Beyond::Neither,
+        };
+        Self { piece: piece as u32, beyond }
+    }
+
+    fn word(self) -> u32 {
+        self.piece * 4 + self.beyond as u32
+    }
+
+    /// Whether the row of the end beyond the cell is reached at `v`.
+    fn end_reached(self, shape: &Piece, v: f32) -> bool {
+        match self.beyond {
+            Beyond::Neither => false,
+            Beyond::Low => shape.low.y <= v,
+            Beyond::High => shape.high.y <= v,
+        }
+    }
+}
+
+/// Builds the grid of closed chains of monotone curves in `words`, which is empty: first the pieces.
+/// Returns the lattice, where its cells begin, and the number of pieces.
+pub(super) fn build(curves: &[Curve], words: &mut Vec<u32>) -> ((Lattice, usize), usize) {
+    let lattice = lattice_of(curves);
+    let parts = cut_to_cells(curves, &lattice);
+    let pieces: Vec<Piece> = parts.iter().filter_map(Piece::new).collect();
+    if pieces.iter().all(Piece::is_level) {
+        return ((Lattice::EMPTY, 0), 0);
+    }
+    words.reserve(pieces.len() * (PIECE_WORDS + 4) + lattice.count());
+    words.extend(pieces.iter().flat_map(Piece::words));
+    let all: Vec<Reference> = (0..pieces.len() as u32)
+        .map(|piece| Reference { piece, beyond: Beyond::Neither })
+        .collect();
+    let cells = Builder { pieces: &pieces, words }.cells(&lattice, &all, false, true);
+    ((lattice, cells), pieces.len())
+}
+
+/// The lattice over the curves: about 4 cells for each, fewer if that cut long curves into too many
+/// pieces.
+fn lattice_of(curves: &[Curve]) -> Lattice {
+    let mut least = Vec2::INFINITY;
+    let mut most = Vec2::NEG_INFINITY;
+    for piece in curves.iter().filter_map(Piece::new) {
+        least = least.min(piece.low.min(piece.high));
+        most = most.max(piece.low.max(piece.high));
+    }
+    if least.cmpgt(most).any() {
+        return Lattice::EMPTY;
+    }
+    let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
+    let extent = (most - least).as_dvec2();
+    let mut side =
+        (2.0 * (curves.len() as f64).sqrt()).clamp((*SIDES.start()).into(), (*SIDES.end()).into());
+    let pieces_at = |side: f64| -> f64 {
+        let cells = |curve: &Curve| ((curve[3] - curve[0]).abs() / extent * side).max_element();
+        curves.iter().map(|curve| cells(curve).max(1.0)).sum()
+    };
+    while side > 1.0 && pieces_at(side) > budget as f64 / 2.0 {
+        side *= 0.5;
+    }
+    Lattice::new(least, most, side as u32)
+}
+
+/// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
+/// finer cells there.
+fn cut_to_cells(curves: &[Curve], lattice: &Lattice) -> Vec<Curve> {
+    // Smaller pieces would be cut by rounding.
+    const SMALLEST: f64 = 1e-6;
+    let extent = (lattice.most - lattice.least).as_dvec2();
+    let cell = (extent / lattice.size.as_dvec2()).max(DVec2::splat(SMALLEST));
+    let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
+    let mut parts = Vec::with_capacity(curves.len());
+    for curve in curves {
+        halve(curve, 0, &mut parts, &|_| cell);
+    }
+    let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
+    let mut counts = vec![0_u32; lattice.count()];
+    let cells_of = |part: &Curve| {
+        let (least, most) = (part[0].min(part[3]).as_vec2(), part[0].max(part[3]).as_vec2());
+        let columns = touched(&columns, [least.x, most.x]);
+        touched(&rows, [least.y, most.y])
+            .flat_map(move |row| columns.clone().map(move |column| (row, column)))
+            .map(|(row, column)| row * lattice.size.x as usize + column)
+    };
+    for part in &parts {
+        for cell in cells_of(part) {
+            counts[cell] += 1;
+        }
+    }
+    if counts.iter().all(|count| *count as usize <= CROWDED) {
+        return parts;
+    }
+    let mut finer = Vec::with_capacity(parts.len());
+    for part in &parts {
+        let crowd = cells_of(part).map(|cell| counts[cell] as usize).max().unwrap_or(0);
+        if crowd <= CROWDED || finer.len() > budget {
+            finer.push(*part);
+            continue;
+        }
+        halve(part, 0, &mut finer, &|part| {
+            let crowd = cells_of(part).map(|cell| counts[cell] as usize).max().unwrap_or(0);
+            let side = if crowd > CROWDED { finer_side(crowd) } else { 1 };
+            (cell / f64::from(side)).max(DVec2::splat(SMALLEST))
+        });
+    }
+    finer
+}
+
+/// Cells along a side of the finer lattice in a cell with so many pieces.
+fn finer_side(count: usize) -> u32 {
+    (2.0 * (count as f64).sqrt()).min((*SIDES.end()).into()) as u32
+}
+
+/// Halves a curve until its box is no larger than `limit` allows there.
+fn halve(curve: &Curve, depth: u32, parts: &mut Vec<Curve>, limit: &impl Fn(&Curve) -> DVec2) {
+    const DEEPEST: u32 = 12;
+    let extent = (curve[3] - curve[0]).abs();
+    if depth == DEEPEST || extent.cmple(limit(curve)).all() {
+        parts.push(*curve);
+        return;
+    }
+    for half in split(curve, 0.5) {
+        halve(&half, depth + 1, parts, limit);
+    }
+}
+
+struct Builder<'a> {
+    pieces: &'a [Piece],
+    words: &'a mut Vec<u32>,
+}
+
+impl Builder<'_> {
+    /// Appends the cells of a lattice, whose samples' parity is `base` and that of `references`
+    /// together; returns where they begin.
+    fn cells(
+        &mut self,
+        lattice: &Lattice,
+        references: &[Reference],
+        base: bool,
+        may_refine: bool,
+    ) -> usize {
+        let columns = lattice.bounds(0);
+        let rows = lattice.bounds(1);
+        let corners = self.corners(&columns, &rows, references, base);
+        let (starts, members) = self.members(&columns, &rows, references);
+        let first = self.words.len();
+        self.words.resize(first + lattice.count(), 0);
+        for (cell, range) in starts.windows(2).enumerate() {
+            let corner = Vec2::new(columns[cell % columns.len()][1], rows[cell / columns.len()][0]);
+            let listed = &members[range[0] as usize..range[1] as usize];
+            self.words[first + cell] = if listed.is_empty() {
+                u32::from(corners[cell])
+            } else {
+                let bounds = [columns[cell % columns.len()], rows[cell / columns.len()]];
+                self.list(listed, corners[cell], corner, bounds, may_refine)
+            };
+        }
+        first
+    }
+
+    /// Appends what a cell with pieces needs, and returns its word.
+    fn list(
+        &mut self,
+        listed: &[u32],
+        corner_inside: bool,
+        corner: Vec2,
+        [[left, right], [bottom, top]]: [Bounds; 2],
+        may_refine: bool,
+    ) -> u32 {
+        let references: Vec<Reference> = listed
+            .iter()
+            .map(|piece| Reference::new(*piece as usize, &self.pieces[*piece as usize], right))
+            .collect();
+        // Such that the corner itself comes out right.
+        let base = references.iter().fold(corner_inside, |inside, reference| {
+            let piece = &self.pieces[reference.piece as usize];
+            inside ^ piece.crosses(corner) ^ reference.end_reached(piece, corner.y)
+        });
+        if may_refine && references.len() > CROWDED {
+            let finer = self.finer(&references, Vec2::new(left, bottom), Vec2::new(right, top));
+            if finer.count() > 1 {
+                let header = self.words.len();
+                self.words.extend(finer.words());
+                self.cells(&finer, &references, base, false);
+                return header as u32 * 4 + FINER;
+            }
+        }
+        let list = self.words.len();
+        self.words.push(references.len() as u32 * 2 + u32::from(base));
+        self.words.extend(references.iter().map(|reference| reference.word()));
+        list as u32 * 4 + LIST
+    }
+
+    /// The lattice of a crowded cell; a coarser one if its pieces are large, so that the references
+    /// do not outgrow them.
+    fn finer(&self, references: &[Reference], least: Vec2, most: Vec2) -> Lattice {
+        const MOST_REFERENCES_PER_PIECE: f32 = 12.0;
+        let extent = most - least;
+        let mut side = finer_side(references.len());
+        let cells_at = |side: u32| -> f32 {
+            let cells = |reference: &Reference| {
+                let piece = &self.pieces[reference.piece as usize];
+                let size = (piece.high - piece.low).abs().min(extent) / extent * side as f32;
+                (size.x + 1.0) * (size.y + 1.0)
+            };
+            references.iter().map(cells).sum()
+        };
+        while side > 1 && cells_at(side) > MOST_REFERENCES_PER_PIECE * references.len() as f32 {
+            side /= 2;
+        }
+        Lattice::new(least, most, side)
+    }
+
+    /// Whether the corner of each cell, at its right and its bottom, is inside.
+    fn corners(
+        &self,
+        columns: &[Bounds],
+        rows: &[Bounds],
+        references: &[Reference],
+        base: bool,
+    ) -> Vec<bool> {
+        // Each entry turns the parity of its column and of those to the right of it.
+        let width = columns.len();
+        let mut turns = vec![false; (width + 1) * rows.len()];
+        let mut row_turns = vec![false; rows.len() + 1];
+        for reference in references {
+            let piece = &self.pieces[reference.piece as usize];
+            let end = match reference.beyond {
+                Beyond::Neither => None,
+                Beyond::Low => Some(piece.low.y),
+                Beyond::High => Some(piece.high.y),
+            };
+            if let Some(v) = end {
+                row_turns[rows.partition_point(|[bottom, _]| *bottom < v)] ^= true;
+            }
+            let first = rows.partition_point(|[bottom, _]| *bottom < piece.low.y);
+            let last = rows.partition_point(|[bottom, _]| *bottom < piece.high.y);
+            for row in first..last {
+                let v = rows[row][0];
+                let left_of_it =
+                    columns.partition_point(|[_, right]| piece.crosses(Vec2::new(*right, v)));
+                turns[row * (width + 1)] ^= true;
+                turns[row * (width + 1) + left_of_it] ^= true;
+            }
+        }
+        let mut corners = Vec::with_capacity(width * rows.len());
+        let mut row_inside = base;
+        for row in 0..rows.len() {
+            row_inside ^= row_turns[row];
+            let mut inside = row_inside;
+            for column in 0..width {
+                inside ^= turns[row * (width + 1) + column];
+                corners.push(inside);
+            }
+        }
+        corners
+    }
+
+    /// The pieces that touch each cell: those of cell i are `members[starts[i]..starts[i + 1]]`.
+    fn members(
+        &self,
+        columns: &[Bounds],
+        rows: &[Bounds],
+        references: &[Reference],
+    ) -> (Vec<u32>, Vec<u32>) {
+        let cells = columns.len() * rows.len();
+        let mut starts = vec![0_u32; cells + 1];
+        let each = |visit: &mut dyn FnMut(usize, u32)| {
+            for reference in references {
+                let piece = &self.pieces[reference.piece as usize];
+                let [least, most] = piece.u_range();
+                for row in touched(rows, [piece.low.y, piece.high.y]) {
+                    for column in touched(columns, [least, most]) {
+                        // A level piece counts only where it leaves the cell to the right.
+                        if !piece.is_level() || most > columns[column][1] {
+                            visit(row * columns.len() + column, reference.piece);
+                        }
+                    }
+                }
+            }
+        };
+        each(&mut |cell, _| starts[cell + 1] += 1);
+        for cell in 0..cells {
+            starts[cell + 1] += starts[cell];
+        }
+        let mut members = vec![0; starts[cells] as usize];
+        let mut next = starts.clone();
+        each(&mut |cell, piece| {
+            members[next[cell] as usize] = piece;
+            next[cell] += 1;
+        });
+        (starts, members)
+    }
+}

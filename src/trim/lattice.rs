@@ -1,0 +1,94 @@
+//! A box cut into equal cells, in the `f32` arithmetic of the shaders: every sample has one cell.
+
+use glam::{UVec2, Vec2};
+
+/// A box cut into columns along u and rows along v.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Lattice {
+    /// Least corner.
+    pub(crate) least: Vec2,
+    /// Greatest corner.
+    pub(crate) most: Vec2,
+    /// Cells for each unit of the domain.
+    pub(crate) scale: Vec2,
+    /// Columns and rows.
+    pub(crate) size: UVec2,
+}
+
+/// What is surely below and above every sample of a column or row.
+pub(super) type Bounds = [f32; 2];
+
+impl Lattice {
+    /// A box that holds nothing.
+    pub(super) const EMPTY: Self =
+        Self { least: Vec2::ONE, most: Vec2::ZERO, scale: Vec2::ZERO, size: UVec2::ONE };
+
+    pub(super) fn new(least: Vec2, most: Vec2, side: u32) -> Self {
+        let extent = most - least;
+        let scale = |length: f32| if length > 0.0 { side as f32 / length } else { 0.0 };
+        let scale = Vec2::new(scale(extent.x), scale(extent.y));
+        // A box too thin to be cut is one column or row.
+        let size = |scale: f32| if scale > 0.0 && scale.is_finite() { side } else { 1 };
+        let size = UVec2::new(size(scale.x), size(scale.y));
+        let scale = Vec2::select(scale.is_finite_mask(), scale, Vec2::ZERO);
+        Self { least, most, scale, size }
+    }
+
+    /// Words of a lattice in the shader's buffer.
+    pub(super) const WORDS: usize = 6;
+
+    pub(super) fn words(&self) -> [u32; Self::WORDS] {
+        let [u, v] = self.least.to_array().map(f32::to_bits);
+        let [scale_u, scale_v] = self.scale.to_array().map(f32::to_bits);
+        [u, v, scale_u, scale_v, self.size.x, self.size.y]
+    }
+
+    /// The lattice of such words; they do not tell its greatest corner.
+    pub(super) fn from_words(words: &[u32]) -> Self {
+        let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
+        let size = UVec2::new(words[4], words[5]);
+        Self { least: point(0), most: Vec2::INFINITY, scale: point(2), size }
+    }
+
+    pub(super) fn count(&self) -> usize {
+        (self.size.x * self.size.y) as usize
+    }
+
+    /// The cell of a sample in the box, row by row: twin of `cellOf` in `glsl/common/trim.glsl`.
+    pub(super) fn cell_of(&self, uv: Vec2) -> usize {
+        let cell = ((uv - self.least) * self.scale).as_uvec2().min(self.size - 1);
+        (cell.y * self.size.x + cell.x) as usize
+    }
+
+    /// Bounds of the columns (`axis` 0) or rows (1). Neighbours overlap by some ulps, because the
+    /// border between them is wherever `cell_of` rounds.
+    pub(super) fn bounds(&self, axis: usize) -> Vec<Bounds> {
+        let (least, most) = (self.least[axis], self.most[axis]);
+        let (scale, count) = (self.scale[axis], self.size[axis]);
+        let place = |x: f32| (x - least) * scale;
+        let border = |cell: u32| least + (f64::from(cell) / f64::from(scale)) as f32;
+        (0..count)
+            .map(|cell| {
+                let mut low = border(cell);
+                while low > least && place(low) >= cell as f32 {
+                    low = low.next_down();
+                }
+                let mut high = border(cell + 1);
+                while high < most && place(high) < (cell + 1) as f32 {
+                    high = high.next_up();
+                }
+                [
+                    if cell == 0 { least } else { low.max(least) },
+                    if cell + 1 == count { most } else { high.min(most) },
+                ]
+            })
+            .collect()
+    }
+}
+
+/// The columns or rows that the closed range from `least` to `most` touches.
+pub(super) fn touched(bounds: &[Bounds], [least, most]: [f32; 2]) -> std::ops::Range<usize> {
+    let first = bounds.partition_point(|[_, high]| *high < least);
+    let end = bounds.partition_point(|[low, _]| *low <= most);
+    first..end.max(first)
+}

@@ -1,0 +1,293 @@
+//! SVG path data in (u, v) into loops.
+//!
+//! svgtypes reads the text and kurbo makes arcs into cubics. (kurbo's own reader takes anything that
+//! it does not know for the end of the path, and is 2.7·10⁻⁴ of the radius off for arcs.)
+
+use glam::DVec2;
+use kurbo::{Arc, PathEl, SvgArc};
+use svgtypes::{PathParser, PathSegment};
+
+use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_finite};
+use crate::{Error, Result};
+
+/// How far the cubics of an arc are from it at most, in the unit of the domain.
+const ARC_TOLERANCE: f64 = 1e-8;
+
+impl Trims {
+    /// Adds the loops of SVG path data: see [`TrimLoop::from_svg_path`].
+    ///
+    /// # Errors
+    /// As there, and more than 1,000,000 segments in all loops together; loops are numbered as they
+    /// would be in these trims, which stay as they were.
+    pub fn add_svg_path(&mut self, data: &str) -> Result<()> {
+        let before = self.loops.len();
+        let mut segments: usize = self.loops.iter().map(|trim_loop| trim_loop.segments.len()).sum();
+        let loops = read(data, before)?;
+        for (number, trim_loop) in loops.iter().enumerate() {
+            check_count(before + number, trim_loop.segments.len(), segments)?;
+            segments += trim_loop.segments.len();
+        }
+        self.loops.extend(loops);
+        Ok(())
+    }
+}
+
+impl TrimLoop {
+    /// The loops of SVG path data in (u, v): every command of SVG, absolute and relative. Arcs become
+    /// cubics that are off by 1e-8 of the domain at most. Each subpath is a loop and must end where
+    /// it began, by itself or by `Z`.
+    ///
+    /// # Errors
+    /// Text that is no path data, with the place of the fault; a path without a subpath; an empty or
+    /// open subpath or a number that is not finite, by the numbers of loop and segment.
+    pub fn from_svg_path(data: &str) -> Result<Vec<Self>> {
+        read(data, 0)
+    }
+}
+
+/// Reads the loops of a path, of which the first has the number `first` in the errors.
+fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
+    let mut reader = Reader { first, ..Reader::default() };
+    for segment in PathParser::from(data) {
+        reader.take(segment.map_err(|error| unreadable(data, &error))?)?;
+    }
+    reader.end_loop()?;
+    if reader.loops.is_empty() {
+        return Err(Error::invalid("path", "empty", "at least one closed subpath"));
+    }
+    Ok(reader.loops)
+}
+
+fn unreadable(data: &str, error: &svgtypes::Error) -> Error {
+    const SHOWN: usize = 24;
+    let start: String = data.trim().chars().take(SHOWN).collect();
+    let more = if data.trim().chars().nth(SHOWN).is_some() { "…" } else { "" };
+    Error::invalid("path", format!("\"{start}{more}\""), format!("SVG path data ({error})"))
+}
+
+/// The state of a path that is read command by command.
+#[derive(Default)]
+struct Reader {
+    first: usize,
+    loops: Vec<TrimLoop>,
+    segments: Vec<Segment>,
+    start: DVec2,
+    current: DVec2,
+    /// The last control point, for the smooth commands of its degree.
+    last_control: Option<Control>,
+    /// A subpath has begun that is not closed yet.
+    open: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Control {
+    Quadratic(DVec2),
+    Cubic(DVec2),
+}
+
+impl Reader {
+    fn take(&mut self, segment: PathSegment) -> Result<()> {
+        let from = if segment.is_abs() { DVec2::ZERO } else { self.current };
+        let at = |x: f64, y: f64| from + DVec2::new(x, y);
+        let mut control = None;
+        match segment {
+            PathSegment::MoveTo { x, y, .. } => {
+                self.end_loop()?;
+                self.start = at(x, y);
+                self.current = self.start;
+                self.open = true;
+            }
+            PathSegment::LineTo { x, y, .. } => self.line(at(x, y)),
+            PathSegment::HorizontalLineTo { x, .. } => {
+                self.line(DVec2::new(from.x + x, self.current.y));
+            }
+            PathSegment::VerticalLineTo { y, .. } => {
+                self.line(DVec2::new(self.current.x, from.y + y));
+            }
+            PathSegment::Quadratic { x1, y1, x, y, .. } => {
+                control = Some(self.quadratic(at(x1, y1), at(x, y)));
+            }
+            PathSegment::SmoothQuadratic { x, y, .. } => {
+                let first = match self.last_control {
+                    Some(Control::Quadratic(last)) => 2.0 * self.current - last,
+                    _ => self.current,
+                };
+                control = Some(self.quadratic(first, at(x, y)));
+            }
+            PathSegment::CurveTo { x1, y1, x2, y2, x, y, .. } => {
+                control = Some(self.cubic(at(x1, y1), at(x2, y2), at(x, y)));
+            }
+            PathSegment::SmoothCurveTo { x2, y2, x, y, .. } => {
+                let first = match self.last_control {
+                    Some(Control::Cubic(last)) => 2.0 * self.current - last,
+                    _ => self.current,
+                };
+                control = Some(self.cubic(first, at(x2, y2), at(x, y)));
+            }
+            PathSegment::EllipticalArc {
+                rx, ry, x_axis_rotation, large_arc, sweep, x, y, ..
+            } => {
+                let radii = DVec2::new(rx, ry);
+                self.arc(radii, x_axis_rotation.to_radians(), [large_arc, sweep], at(x, y))?;
+            }
+            PathSegment::ClosePath { .. } => {
+                self.open = true;
+                if self.current.distance(self.start) >= SNAP {
+                    self.line(self.start);
+                }
+                self.end_loop()?;
+                self.current = self.start;
+            }
+        }
+        self.last_control = control;
+        Ok(())
+    }
+
+    fn push(&mut self, segment: Segment) {
+        self.current = segment.end();
+        self.segments.push(segment);
+        self.open = true;
+    }
+
+    fn line(&mut self, to: DVec2) {
+        self.push(Segment::Line([self.current, to]));
+    }
+
+    fn quadratic(&mut self, control: DVec2, to: DVec2) -> Control {
+        self.push(Segment::Quadratic([self.current, control, to]));
+        Control::Quadratic(control)
+    }
+
+    fn cubic(&mut self, first: DVec2, second: DVec2, to: DVec2) -> Control {
+        self.push(Segment::Cubic([self.current, first, second, to]));
+        Control::Cubic(second)
+    }
+
+    fn arc(&mut self, radii: DVec2, rotation: f64, flags: [bool; 2], to: DVec2) -> Result<()> {
+        // Finite, because their size decides the number of cubics.
+        let number = self.segments.len();
+        for (name, point) in [("radii", radii), ("end", to), ("start", self.current)] {
+            check_finite(&format!("{name} of the arc in segment {number}"), point)
+                .map_err(|error| self.blame(error))?;
+        }
+        check_finite(&format!("rotation of the arc in segment {number}"), DVec2::splat(rotation))
+            .map_err(|error| self.blame(error))?;
+        let point = |p: DVec2| kurbo::Point::new(p.x, p.y);
+        let svg_arc = SvgArc {
+            from: point(self.current),
+            to: point(to),
+            radii: kurbo::Vec2::new(radii.x, radii.y),
+            x_rotation: rotation,
+            large_arc: flags[0],
+            sweep: flags[1],
+        };
+        // Without a radius or a length it is a line, as SVG wants it.
+        let cubics = Arc::from_svg_arc(&svg_arc).into_iter();
+        for element in cubics.flat_map(|arc| arc.append_iter(ARC_TOLERANCE)) {
+            if let PathEl::CurveTo(a, b, c) = element {
+                let [a, b, c] = [a, b, c].map(|p| DVec2::new(p.x, p.y));
+                self.cubic(a, b, c);
+            }
+        }
+        match self.segments[number..].last_mut() {
+            Some(Segment::Cubic(points)) => points[3] = to,
+            _ => self.line(to),
+        }
+        self.current = to;
+        Ok(())
+    }
+
+    fn end_loop(&mut self) -> Result<()> {
+        if std::mem::take(&mut self.open) {
+            let segments = std::mem::take(&mut self.segments);
+            let trim_loop = TrimLoop::new(segments).map_err(|error| self.blame(error))?;
+            self.loops.push(trim_loop);
+        }
+        Ok(())
+    }
+
+    /// The same error with the number of the loop.
+    fn blame(&self, error: Error) -> Error {
+        error.within(format!("loop {}", self.first + self.loops.len()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec2;
+
+    fn points(data: &str) -> Vec<Vec<Vec<DVec2>>> {
+        let loops = TrimLoop::from_svg_path(data).unwrap_or_else(|error| panic!("{error}"));
+        loops
+            .iter()
+            .map(|trim_loop| {
+                trim_loop.segments().iter().map(|segment| segment.points().to_vec()).collect()
+            })
+            .collect()
+    }
+
+    #[test]
+    fn absolute_and_relative_commands_make_the_same_loops() {
+        let absolute = "M.2 .2 L.4 .2 H.6 V.4 Q.7 .5 .6 .6 T.5 .8 C.4 .9 .3 .9 .3 .7 S.2 .5 .2 .4 Z";
+        let relative = "m.2 .2 l.2 0 h.2 v.2 q.1 .1 0 .2 t-.1 .2 c-.1 .1-.2 .1-.2-.1 s-.1-.2-.1-.3 z";
+        let [a, b] = [absolute, relative].map(points);
+        assert_eq!(a.len(), 1);
+        assert_eq!(a[0].iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2, 3, 3, 4, 4, 2]);
+        for (a, b) in a[0].iter().flatten().zip(b[0].iter().flatten()) {
+            assert!(a.distance(*b) < 1e-15, "{a} {b}");
+        }
+        // The smooth commands mirror the last control point.
+        assert!(a[0][4][1].distance(dvec2(0.5, 0.7)) < 1e-15);
+        assert!(a[0][6][1].distance(dvec2(0.3, 0.5)) < 1e-15);
+    }
+
+    #[test]
+    fn smooth_commands_mirror_only_their_own_degree() {
+        let mixed = points("M0 0 C.1 .1 .2 .1 .3 0 T.6 .1 S.8 .3 .9 0 Z");
+        assert_eq!(mixed[0][1][1], dvec2(0.3, 0.0));
+        assert_eq!(mixed[0][2][1], dvec2(0.6, 0.1));
+    }
+
+    #[test]
+    fn several_subpaths_are_several_loops_and_z_returns_to_the_start() {
+        let loops = points("M0 0 L1 0 L1 1 Z l.5 0 0 .5 z m.1 .1 h.1 v.1 z M.2 .2L.3 .2L.3 .3L.2 .2");
+        assert_eq!(loops.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, 3]);
+        assert_eq!(loops[1][0][0], DVec2::ZERO);
+        assert_eq!(loops[2][0][0], dvec2(0.1, 0.1));
+    }
+
+    #[test]
+    fn arcs_are_as_close_as_stated() {
+        // A circle in two arcs, one with the flags run together as SVG allows.
+        let data = "M.1 .5 A.4 .4 0 0 1 .9 .5 a.4 .4 0 01-.8 0 Z";
+        let loops = TrimLoop::from_svg_path(data).unwrap();
+        let mut furthest: f64 = 0.0;
+        for segment in loops[0].segments() {
+            for step in 0..=100 {
+                let point = segment.point(f64::from(step) / 100.0);
+                furthest = furthest.max((point.distance(dvec2(0.5, 0.5)) - 0.4).abs());
+            }
+        }
+        assert!(furthest > 1e-12 && furthest <= ARC_TOLERANCE, "{furthest:e}");
+        // No radius: a line.
+        assert_eq!(points("M0 0 A0 1 0 0 1 1 1 L1 0 Z")[0][0].len(), 2);
+    }
+
+    #[test]
+    fn faults_are_named() {
+        for (data, words) in [
+            ("", &["path", "empty"][..]),
+            ("M0 0 L1 0 x", &["path", "position 11"]),
+            ("L0 0", &["path", "SVG path data"]),
+            ("M0 0 L1 0 L1 1", &["loop 0", "segment 1", "gap"]),
+            ("M0 0 L1 0 L1 1 Z M0 0 Z", &["loop 1", "empty"]),
+            ("M0 0 L1e999 0 Z", &["loop 0", "segment 0", "finite"]),
+            ("M0 0 A1e999 1 0 0 1 1 1 Z", &["loop 0", "radii of the arc in segment 0", "finite"]),
+            ("M0 0 L1 0 Z M0 0 A1 1 1e999 0 1 1 1 Z", &["loop 1", "rotation of the arc"]),
+        ] {
+            let text = TrimLoop::from_svg_path(data).unwrap_err().to_string();
+            assert!(words.iter().all(|word| text.contains(word)), "{data}: {text}");
+        }
+    }
+}

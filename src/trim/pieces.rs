@@ -1,0 +1,210 @@
+//! Loops cut into pieces that rise or fall, and go left or right, but never turn: what the exact
+//! method tests a sample against (Rockwood, Heaton and Davis 1989; Schollmeyer and Fröhlich 2009).
+//!
+//! Everything up to the last rounding is done in `f64`. The rounding keeps what decides topology:
+//! neighbouring pieces share their ends bit for bit, and inner control points stay in the box of the
+//! ends.
+
+use glam::{DVec2, Vec2};
+use kurbo::common::solve_quadratic;
+
+use super::{Segment, TrimLoop};
+
+/// Halvings of a piece before a sample this close to the curve is taken as right of it.
+const HALVINGS: u32 = 24;
+
+/// Parameters closer than this to an end of a curve are the end.
+const END: f64 = 1e-9;
+
+/// A cubic curve that is monotone in u and in v, inside the domain, in `f64`.
+pub(super) type Curve = [DVec2; 4];
+
+/// A monotone curve as the shader has it: its ends first, the lower one before the upper one, then
+/// the inner control points. All of it lies in the box of the ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Piece {
+    pub(super) low: Vec2,
+    pub(super) high: Vec2,
+    inner: [Vec2; 2],
+}
+
+impl Piece {
+    /// Rounds a curve to `f32`. None if nothing is left of it but a point.
+    pub(super) fn new(curve: &Curve) -> Option<Self> {
+        let [mut low, mut first, mut second, mut high] = curve.map(rounded);
+        if low.y > high.y {
+            std::mem::swap(&mut low, &mut high);
+            std::mem::swap(&mut first, &mut second);
+        }
+        (low != high).then_some(Self { low, high, inner: [first, second] })
+    }
+
+    /// Whether it is level: no ray along u crosses it.
+    pub(super) fn is_level(&self) -> bool {
+        self.low.y == self.high.y
+    }
+
+    /// Least and greatest u.
+    pub(super) fn u_range(&self) -> [f32; 2] {
+        [self.low.x.min(self.high.x), self.low.x.max(self.high.x)]
+    }
+
+    /// The words of the shader's buffer.
+    pub(super) fn words(&self) -> [u32; 8] {
+        let [a, b] = self.inner;
+        [self.low.x, self.low.y, self.high.x, self.high.y, a.x, a.y, b.x, b.y].map(f32::to_bits)
+    }
+
+    /// The piece of such words.
+    pub(super) fn from_words(words: &[u32]) -> Self {
+        let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
+        Self { low: point(0), high: point(2), inner: [point(4), point(6)] }
+    }
+
+    /// Whether the ray from `uv` towards greater u crosses the piece: twin of `crosses` in
+    /// `glsl/common/trim.glsl`, bit for bit.
+    ///
+    /// The half-open test of the row decides topology on stored bits alone. Where `uv` lies in the
+    /// piece's box, the box is halved until one side holds `uv` no more.
+    pub(super) fn crosses(&self, uv: Vec2) -> bool {
+        if (self.low.y <= uv.y) == (self.high.y <= uv.y) {
+            return false;
+        }
+        let [least, most] = self.u_range();
+        if uv.x < least || uv.x >= most {
+            return uv.x < least;
+        }
+        let (mut a, mut d) = (self.low, self.high);
+        let [mut b, mut c] = self.inner;
+        for _ in 0..HALVINGS {
+            let (ab, bc, cd) = ((a + b) * 0.5, (b + c) * 0.5, (c + d) * 0.5);
+            let (abc, bcd) = ((ab + bc) * 0.5, (bc + cd) * 0.5);
+            let middle = (abc + bcd) * 0.5;
+            if middle.y <= uv.y {
+                (a, b, c) = (middle, bcd, cd);
+            } else {
+                (b, c, d) = (ab, abc, middle);
+            }
+            if uv.x < a.x.min(d.x) || uv.x >= a.x.max(d.x) {
+                return uv.x < a.x.min(d.x);
+            }
+        }
+        false
+    }
+}
+
+/// To `f32`; nothing as small as what drivers may take for zero, and no negative zero.
+fn rounded(point: DVec2) -> Vec2 {
+    const TINY: f64 = 1e-30;
+    let component = |x: f64| if x.abs() < TINY { 0.0 } else { x as f32 };
+    Vec2::new(component(point.x), component(point.y))
+}
+
+/// The loops as monotone curves inside the domain [0, 1]². What lies outside is pushed onto the
+/// border, so that the chains stay closed.
+pub(super) fn monotone_curves(loops: &[TrimLoop]) -> Vec<Curve> {
+    let segments = loops.iter().flat_map(TrimLoop::segments);
+    let mut curves = Vec::with_capacity(segments.clone().count() * 2);
+    for segment in segments {
+        split_turns(&as_cubic(segment), 0, &mut |curve| split_borders(curve, 0, &mut curves));
+    }
+    curves
+}
+
+fn as_cubic(segment: &Segment) -> Curve {
+    match *segment {
+        Segment::Line([a, b]) => [a, a.lerp(b, 1.0 / 3.0), a.lerp(b, 2.0 / 3.0), b],
+        Segment::Quadratic([a, b, c]) => [a, a.lerp(b, 2.0 / 3.0), c.lerp(b, 2.0 / 3.0), c],
+        Segment::Cubic(points) => points,
+    }
+}
+
+/// Both parts of a curve, cut at `t`.
+pub(super) fn split([a, b, c, d]: &Curve, t: f64) -> [Curve; 2] {
+    let (ab, bc, cd) = (a.lerp(*b, t), b.lerp(*c, t), c.lerp(*d, t));
+    let (abc, bcd) = (ab.lerp(bc, t), bc.lerp(cd, t));
+    let middle = abc.lerp(bcd, t);
+    [[*a, ab, abc, middle], [middle, bcd, cd, *d]]
+}
+
+/// Cuts a curve until its control points are monotone in both coordinates.
+fn split_turns(curve: &Curve, depth: u32, take: &mut impl FnMut(&Curve)) {
+    // Two turns and one inflection in each coordinate; more cuts come from rounding alone.
+    const MOST_CUTS: u32 = 8;
+    for axis in 0..2 {
+        let Some((t, is_turn)) = cut_of(curve.map(|point| point[axis])) else { continue };
+        if depth == MOST_CUTS {
+            continue;
+        }
+        let [mut before, mut after] = split(curve, t);
+        if is_turn {
+            // The derivative is zero there, and not a rounding error.
+            before[2][axis] = before[3][axis];
+            after[1][axis] = after[0][axis];
+        }
+        split_turns(&before, depth + 1, take);
+        split_turns(&after, depth + 1, take);
+        return;
+    }
+    let [a, b, c, d] = *curve;
+    let (least, most) = (a.min(d), a.max(d));
+    take(&[a, b.clamp(least, most), c.clamp(least, most), d]);
+}
+
+/// Where a coordinate must be cut to have monotone control points, and whether it turns there.
+fn cut_of([a, b, c, d]: [f64; 4]) -> Option<(f64, bool)> {
+    // Bernstein coefficients of the derivative, over 3.
+    let (first, middle, last) = (b - a, c - b, d - c);
+    let rising = first.max(middle).max(last) > 0.0;
+    let falling = first.min(middle).min(last) < 0.0;
+    if !(rising && falling) {
+        return None;
+    }
+    let inside = |t: &f64| (END..=1.0 - END).contains(t);
+    let turns = solve_quadratic(first, 2.0 * (middle - first), first - 2.0 * middle + last);
+    if let Some(t) = turns.into_iter().find(inside) {
+        return Some((t, true));
+    }
+    // No turn, but a derivative that dips: cut where it is least. Both halves of a parabola have
+    // Bernstein coefficients of one sign.
+    Some((first - middle) / (first - 2.0 * middle + last)).filter(inside).map(|t| (t, false))
+}
+
+/// Cuts a monotone curve where it leaves the domain, and pushes what is outside onto the border.
+fn split_borders(curve: &Curve, depth: u32, curves: &mut Vec<Curve>) {
+    // Four borders can be crossed, each once.
+    if depth < 4 {
+        for (axis, border) in [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0)] {
+            let side = |point: DVec2| point[axis] - border;
+            let (start, end) = (side(curve[0]), side(curve[3]));
+            if start.min(end) < 0.0 && start.max(end) > 0.0 {
+                let [mut before, mut after] = split(curve, crossing(curve, axis, border));
+                before[3][axis] = border;
+                after[0][axis] = border;
+                split_borders(&before, depth + 1, curves);
+                split_borders(&after, depth + 1, curves);
+                return;
+            }
+        }
+    }
+    let inside = curve.map(|point| point.clamp(DVec2::ZERO, DVec2::ONE));
+    let (least, most) = (inside[0].min(inside[3]), inside[0].max(inside[3]));
+    curves.push(inside.map(|point| point.clamp(least, most)));
+}
+
+/// The parameter at which a coordinate of a monotone curve is `value`, between those of its ends.
+fn crossing(curve: &Curve, axis: usize, value: f64) -> f64 {
+    let rising = curve[3][axis] > curve[0][axis];
+    let segment = Segment::Cubic(*curve);
+    let (mut low, mut high) = (0.0, 1.0);
+    // As many halvings as f64 has bits.
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if (segment.point(middle)[axis] < value) == rising {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}

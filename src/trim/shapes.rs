@@ -1,0 +1,217 @@
+//! Circles, intervals and ellipses as the exact method tests them: by their equations, so that no
+//! curve stands in for a circle. Many of them get a grid of their own.
+
+use glam::{DVec2, UVec2, Vec2};
+
+use super::grid::LIST;
+use super::lattice::Lattice;
+use super::{Circle, Ellipse, Interval, Trims};
+
+/// Words of a shape in the shader's buffer.
+pub(super) const SHAPE_WORDS: usize = 8;
+
+/// Up to so many shapes are all tested for every sample in their common box.
+const FEW: usize = 4;
+/// Cells along a side for more of them.
+const SIDES: std::ops::RangeInclusive<u32> = 8..=256;
+/// Cells that all shapes together may touch: so many each, and at least `MOST_CELLS`.
+const MOST_CELLS_PER_SHAPE: f64 = 16.0;
+const MOST_CELLS: f64 = 65_536.0;
+/// Cells are taken as this much larger than they are when something is said of all their samples.
+const MARGIN: f64 = 1e-6;
+/// Shapes thinner than this hold no sample that could be told from their border.
+const THINNEST: f64 = 1e-9;
+
+#[derive(Clone, Copy)]
+enum Shape {
+    Ellipse(Ellipse),
+    Interval(Interval),
+}
+
+impl Shape {
+    /// Least and greatest (u, v).
+    fn extent(&self) -> [DVec2; 2] {
+        match self {
+            Self::Ellipse(Ellipse { center, radii }) => [center - radii, center + radii],
+            Self::Interval(Interval { u, v }) => [DVec2::new(u.x, v.x), DVec2::new(u.y, v.y)],
+        }
+    }
+
+    fn cuts(&self, uv: DVec2) -> bool {
+        match self {
+            Self::Ellipse(ellipse) => ellipse.cuts(uv),
+            Self::Interval(interval) => interval.cuts(uv),
+        }
+    }
+
+    /// Whether it cuts anything in a box.
+    fn touches(&self, [least, most]: [DVec2; 2]) -> bool {
+        match self {
+            // The point of the box that is nearest in the ellipse's own measure.
+            Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(least, most)),
+            Self::Interval(_) => {
+                let [low, high] = self.extent();
+                low.cmple(most).all() && least.cmple(high).all()
+            }
+        }
+    }
+
+    /// Whether it cuts everything in a box: shapes are convex.
+    fn covers(&self, [least, most]: [DVec2; 2]) -> bool {
+        [least, most, DVec2::new(least.x, most.y), DVec2::new(most.x, least.y)]
+            .into_iter()
+            .all(|corner| self.cuts(corner))
+    }
+
+    /// Ellipses are a polynomial, with s and t counted from the domain's point that is nearest to
+    /// the centre: a s² + b t² + c s + d t + e ≤ 0. There `f32` is precise enough, however large
+    /// the ellipse and however far its centre.
+    fn words(&self) -> [u32; SHAPE_WORDS] {
+        let words = match self {
+            Self::Ellipse(Ellipse { center, radii }) => {
+                let from = center.clamp(DVec2::ZERO, DVec2::ONE).as_vec2();
+                let off = from.as_dvec2() - center;
+                let square = 1.0 / (radii * radii);
+                let linear = 2.0 * off * square;
+                let constant = (off * off * square).element_sum() - 1.0;
+                let [square, linear] = [square.as_vec2(), linear.as_vec2()];
+                [
+                    from.x, from.y, square.x, square.y, linear.x, linear.y, constant as f32,
+                    0.0,
+                ]
+            }
+            Self::Interval(Interval { u, v }) => {
+                let [u, v] = [u.as_vec2(), v.as_vec2()];
+                [u.x, u.y, v.x, v.y, 0.0, 0.0, 0.0, 0.0]
+            }
+        };
+        words.map(f32::to_bits)
+    }
+
+    /// How references tell the kinds apart.
+    const fn kind(&self) -> u32 {
+        match self {
+            Self::Ellipse(_) => 0,
+            Self::Interval(_) => 1,
+        }
+    }
+}
+
+/// Whether the shape of a reference cuts `uv`: twin of `cutByShape` in `glsl/common/trim.glsl`, bit
+/// for bit.
+pub(super) fn cuts(words: &[u32], reference: u32, uv: Vec2) -> bool {
+    let at = (reference >> 2) as usize;
+    let word = |i: usize| f32::from_bits(words[at + i]);
+    let point = |i: usize| Vec2::new(word(i), word(i + 1));
+    if reference & 3 == 1 {
+        let [u, v] = [point(0), point(2)];
+        return uv.x >= u.x && uv.x <= u.y && uv.y >= v.x && uv.y <= v.y;
+    }
+    let off = uv - point(0);
+    let terms = (point(2) * off + point(4)) * off;
+    terms.x + terms.y + word(6) <= 0.0
+}
+
+/// Builds the grid of the shapes that are switched on, behind what is in `words`. The second value
+/// tells where its cells begin.
+pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> (Lattice, usize) {
+    let shapes = shapes_of(trims);
+    let first = words.len();
+    for shape in &shapes {
+        words.extend(shape.words());
+    }
+    let [least, most] = shapes.iter().map(Shape::extent).fold(
+        [DVec2::INFINITY, DVec2::NEG_INFINITY],
+        |[least, most], [low, high]| [least.min(low), most.max(high)],
+    );
+    let least = (least - MARGIN).max(DVec2::ZERO);
+    let most = (most + MARGIN).min(DVec2::ONE);
+    if least.cmpge(most).any() {
+        return (Lattice::EMPTY, words.len());
+    }
+    let side = side_for(&shapes, most - least);
+    let lattice = Lattice::new(least.as_vec2(), most.as_vec2(), side);
+    let cells = words.len();
+    words.resize(cells + lattice.count(), 0);
+    fill(&shapes, &lattice, first, cells, words);
+    (lattice, cells)
+}
+
+fn shapes_of(trims: &Trims) -> Vec<Shape> {
+    let circles = trims.circles.iter().filter(|_| trims.circles_on);
+    let intervals = trims.intervals.iter().filter(|_| trims.intervals_on);
+    let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
+    circles
+        .map(|Circle { center, radius }| Ellipse {
+            center: *center,
+            radii: DVec2::splat(*radius),
+        })
+        .chain(ellipses.copied())
+        .filter(|ellipse| ellipse.radii.min_element() > THINNEST)
+        .map(Shape::Ellipse)
+        .chain(intervals.copied().map(Shape::Interval))
+        .collect()
+}
+
+fn side_for(shapes: &[Shape], extent: DVec2) -> u32 {
+    if shapes.len() <= FEW {
+        return 1;
+    }
+    let count = shapes.len() as f64;
+    let cells_at = |side: f64| -> f64 {
+        let cells = |shape: &Shape| {
+            let [low, high] = shape.extent();
+            let size = ((high - low) / extent).min(DVec2::ONE) * side + 1.0;
+            size.x * size.y
+        };
+        shapes.iter().map(cells).sum()
+    };
+    let mut side = (2.0 * count.sqrt()).clamp((*SIDES.start()).into(), (*SIDES.end()).into());
+    while side > 1.0 && cells_at(side) > MOST_CELLS.max(MOST_CELLS_PER_SHAPE * count) {
+        side *= 0.5;
+    }
+    side as u32
+}
+
+/// Writes the cells: covered by one shape, or with a list of those that touch them.
+fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: &mut Vec<u32>) {
+    let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
+    let mut lists: Vec<Vec<u32>> = vec![Vec::new(); lattice.count()];
+    let mut covered = vec![false; lattice.count()];
+    for (number, shape) in shapes.iter().enumerate() {
+        let reference = ((first + number * SHAPE_WORDS) as u32) * 4 + shape.kind();
+        let [low, high] = shape.extent();
+        let touched = |bounds: &[[f32; 2]], low: f64, high: f64| {
+            let first = bounds.partition_point(|bounds| f64::from(bounds[1]) + MARGIN < low);
+            let end = bounds.partition_point(|bounds| f64::from(bounds[0]) - MARGIN <= high);
+            first..end.max(first)
+        };
+        for row in touched(&rows, low.y, high.y) {
+            for column in touched(&columns, low.x, high.x) {
+                let cell = UVec2::new(column as u32, row as u32);
+                let index = (cell.y * lattice.size.x + cell.x) as usize;
+                let corner = |i: usize| {
+                    DVec2::new(f64::from(columns[column][i]), f64::from(rows[row][i]))
+                };
+                let box_of_cell = [corner(0) - MARGIN, corner(1) + MARGIN];
+                if shape.covers(box_of_cell) {
+                    covered[index] = true;
+                } else if shape.touches(box_of_cell) {
+                    lists[index].push(reference);
+                }
+            }
+        }
+    }
+    for (index, list) in lists.iter().enumerate() {
+        words[cells + index] = if covered[index] {
+            1
+        } else if list.is_empty() {
+            0
+        } else {
+            let at = words.len() as u32;
+            words.push(list.len() as u32 * 2);
+            words.extend(list);
+            at * 4 + LIST
+        };
+    }
+}
