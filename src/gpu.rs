@@ -9,6 +9,7 @@ mod buffer;
 mod debug;
 mod framebuffer;
 mod program;
+mod texel_buffer;
 mod texture;
 mod vertex_array;
 
@@ -18,6 +19,7 @@ pub use buffer::Buffer;
 pub use debug::DebugLog;
 pub use framebuffer::Framebuffer;
 pub use program::{Program, ShaderPart, Stage, StageKind};
+pub use texel_buffer::TexelBuffer;
 pub use texture::Texture;
 pub use vertex_array::VertexArray;
 

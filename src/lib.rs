@@ -83,8 +83,8 @@ pub use error::{Error, Result};
 pub use headless::{Backend, Headless};
 pub use renderer::{Frame, PreparedScene, Renderer};
 pub use scene::{
-    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel, default_control_points,
-    load_texture,
+    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel,
+    default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;
 pub use trim::{

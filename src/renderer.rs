@@ -12,12 +12,13 @@ use glam::DMat4;
 use glow::HasContext;
 
 pub use prepared::PreparedScene;
-pub use smooth::sample_offsets;
 use programs::{Pipeline, ProgramKey, Sources, TrimFeatures, location};
+pub use smooth::sample_offsets;
 
 use crate::camera::Projection;
 use crate::gpu::{Buffer, Program, VertexArray, check_version, samples_of_target};
-use crate::tessellation::Parts;
+use crate::surface::{ExactTrims, ThesisTrims, UploadedTrims};
+use crate::tessellation::{Parts, batches};
 use crate::{Degree, FreeFormSurface, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
@@ -37,8 +38,8 @@ pub struct Frame {
 /// The context must be current whenever the renderer or something made with it is used or dropped.
 ///
 /// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
-/// rasterizer discard or program point size; filled polygons; the patch size; the texture and sampler
-/// of unit 0; the storage buffers 1 and 2; no program and no vertex array. Uploading a picture sets
+/// rasterizer discard or program point size; filled polygons; the patch size; the textures of units
+/// 0, 1 and 2 and the sampler of unit 0; the storage buffers 1 and 2; no program and no vertex array. Uploading a picture sets
 /// plain pixel transfers. All other state is the caller's and holds for what is drawn: framebuffer,
 /// viewport, scissor, colour mask and logic operation, depth range and clip control, polygon offset,
 /// sample masks, sRGB conversion, the width of lines.
@@ -47,6 +48,7 @@ pub struct Renderer {
     sources: Sources,
     programs: HashMap<ProgramKey, Program>,
     vertex_array: VertexArray,
+    parts_array: VertexArray,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -75,6 +77,7 @@ impl Renderer {
             sources,
             programs: HashMap::new(),
             vertex_array: VertexArray::new(gl)?,
+            parts_array: VertexArray::with_instances(gl)?,
         })
     }
 
@@ -115,13 +118,27 @@ impl Renderer {
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.
     pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<()> {
-        let settings = &frame.settings;
-        let trims = surface.upload_trims(&self.gl, settings.method)?;
+        surface.upload_trims(&self.gl, frame.settings.method, frame.settings.level)?;
+        match surface.uploaded_trims() {
+            Some(UploadedTrims::Thesis(trims)) => self.draw_ported(surface, trims, frame),
+            Some(UploadedTrims::Exact(trims)) => self.draw_exact(surface, trims, frame),
+            None => Ok(()),
+        }
+    }
+
+    /// Draws a surface as the thesis or the report does.
+    fn draw_ported(
+        &mut self,
+        surface: &FreeFormSurface,
+        trims: &ThesisTrims,
+        frame: &Frame,
+    ) -> Result<()> {
         let key = ProgramKey {
-            pipeline: Pipeline::of(surface, settings.method, samples_of_target(&self.gl)),
+            pipeline: Pipeline::ported(surface),
             shading: surface.shading(),
-            trims,
+            trims: trims.features(surface.trims()),
         };
+        let settings = &frame.settings;
         self.program(key)?;
         let program = &self.programs[&key];
         program.bind();
@@ -132,12 +149,12 @@ impl Renderer {
             program.set_i32(location::WIREFRAME, i32::from(settings.wireframe));
             program.set_i32(location::SHOW_CONTROL_POINTS, 0);
         }
-        surface.set_trims(program, &settings.newton);
+        trims.set(surface.trims(), program, &settings.newton);
         surface.texture().bind(0);
         self.set_state(surface.degree(), settings.wireframe);
         let batch = parts.patches_per_draw(settings.wireframe) * surface.degree().points();
         let points = surface.control_point_count();
-        self.vertex_array.bind(surface.control_point_buffer());
+        self.vertex_array.bind(&[surface.control_point_buffer()]);
         for domain in parts.domains() {
             program.set_vec3(location::PART, domain);
             for first in (0..points).step_by(batch) {
@@ -145,6 +162,58 @@ impl Renderer {
                 // SAFETY: the context is current (see the type); the range lies within the buffer,
                 // whose points fit an i32 since it was made.
                 unsafe { self.gl.draw_arrays(glow::PATCHES, first as i32, count as i32) }
+            }
+        }
+        self.release();
+        Ok(())
+    }
+
+    /// Draws what the exact trims leave of a surface: parts that are wholly kept without the trims'
+    /// code, those that may be cut with it.
+    fn draw_exact(
+        &mut self,
+        surface: &FreeFormSurface,
+        trims: &ExactTrims,
+        frame: &Frame,
+    ) -> Result<()> {
+        let parts = trims.parts();
+        let Some(boxes) = &parts.boxes else { return Ok(()) };
+        let settings = &frame.settings;
+        let degree = surface.degree();
+        let pipeline = Pipeline::Exact { degree, samples: samples_of_target(&self.gl) };
+        let kept = (TrimFeatures::NONE, 0..parts.kept);
+        let trimmed = (trims.features(), parts.kept..parts.kept + parts.trimmed);
+        for (features, instances) in [kept, trimmed] {
+            if instances.is_empty() {
+                continue;
+            }
+            let key = ProgramKey { pipeline, shading: surface.shading(), trims: features };
+            self.program(key)?;
+            let program = &self.programs[&key];
+            program.bind();
+            set_matrices(program, surface.model_matrix(), &frame.projection);
+            program.set_f32(location::TESS_LEVEL, parts.level as f32);
+            if features.any() {
+                trims.set(program);
+            }
+            surface.texture().bind(0);
+            self.set_state(degree, settings.wireframe);
+            self.parts_array.bind(&[surface.control_point_buffer(), boxes]);
+            let patches = surface.control_point_count() / degree.points();
+            for batch in batches(parts.level, settings.wireframe, patches, instances) {
+                let [first, count] = [batch.patches.start, batch.patches.len()]
+                    .map(|patches| (patches * degree.points()) as i32);
+                // SAFETY: the context is current (see the type); the ranges lie within the buffers,
+                // whose values fit an i32 since they were made.
+                unsafe {
+                    self.gl.draw_arrays_instanced_base_instance(
+                        glow::PATCHES,
+                        first,
+                        count,
+                        batch.instances.len() as i32,
+                        batch.instances.start as u32,
+                    );
+                }
             }
         }
         self.release();
@@ -192,7 +261,7 @@ impl Renderer {
     }
 
     fn draw_points(&self, points: &Buffer, count: usize) {
-        self.vertex_array.bind(points);
+        self.vertex_array.bind(&[points]);
         // SAFETY: the context is current (see the type); the buffer holds `count` points.
         unsafe {
             self.gl.disable(glow::DEPTH_TEST);
@@ -205,6 +274,7 @@ impl Renderer {
     /// Leaves no program and no vertex array bound, and polygons filled.
     fn release(&self) {
         self.vertex_array.unbind();
+        self.parts_array.unbind();
         // SAFETY: the context is current (see the type).
         unsafe {
             self.gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);

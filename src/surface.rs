@@ -7,16 +7,15 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
 
 use crate::bezier::{check_coordinates, homogeneous};
-use crate::gpu::{Buffer, Program, Texture};
-use crate::renderer::programs::TrimFeatures;
+use crate::gpu::{Buffer, Texture};
 use crate::renderer::{Frame, Renderer};
 use crate::scene::default_control_points;
 use crate::trim::holds;
 use crate::{
-    Circle, Degree, Ellipse, Error, Image, Interval, Keep, Method, Newton, Paint, Result, Segment,
-    Shading, Surface, TrimLoop, Trims,
+    Circle, Degree, Ellipse, Error, Image, Interval, Keep, Method, Paint, RenderSettings, Result,
+    Segment, Shading, Surface, TessLevel, TrimLoop, Trims,
 };
-use trims::UploadedTrims;
+pub(crate) use trims::{ExactTrims, ThesisTrims, UploadedTrims};
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
@@ -90,6 +89,15 @@ impl FreeFormSurface {
             renderer.draw_control_points(self, frame)?;
         }
         Ok(())
+    }
+
+    /// Builds and uploads what drawing with these settings needs for the trims, unless that is there
+    /// already. Drawing does this by itself; call it to choose when.
+    ///
+    /// # Errors
+    /// No memory, or loops that the method cannot cut.
+    pub fn prepare(&mut self, renderer: &Renderer, settings: &RenderSettings) -> Result<()> {
+        self.upload_trims(renderer.gl(), settings.method, settings.level)
     }
 
     /// Places the surface in the world.
@@ -371,25 +379,23 @@ impl FreeFormSurface {
         self.surface.control_points().len()
     }
 
-    /// Brings changed trims to the GPU, in the form of a method; returns what its program must know.
+    /// Brings what a method needs for the trims to the GPU, if it is not there yet.
     pub(crate) fn upload_trims(
         &mut self,
         gl: &Arc<glow::Context>,
         method: Method,
-    ) -> Result<TrimFeatures> {
-        let trims = &self.surface.trims;
-        let uploaded = match self.uploaded_trims.take() {
-            Some(uploaded) if uploaded.method() == method => uploaded,
-            _ => UploadedTrims::new(gl, trims, method)?,
-        };
-        Ok(self.uploaded_trims.insert(uploaded).features(trims))
+        level: TessLevel,
+    ) -> Result<()> {
+        if !self.uploaded_trims.as_ref().is_some_and(|uploaded| uploaded.fits(method, level)) {
+            let uploaded = UploadedTrims::new(gl, &self.surface.trims, method, level)?;
+            self.uploaded_trims = Some(uploaded);
+        }
+        Ok(())
     }
 
-    /// Sets the uniforms and buffers of the trims that were uploaded last.
-    pub(crate) fn set_trims(&self, program: &Program, newton: &Newton) {
-        if let Some(uploaded) = &self.uploaded_trims {
-            uploaded.set(&self.surface.trims, program, newton);
-        }
+    /// What was uploaded last, unless the trims have changed since.
+    pub(crate) const fn uploaded_trims(&self) -> Option<&UploadedTrims> {
+        self.uploaded_trims.as_ref()
     }
 }
 

@@ -1,6 +1,8 @@
 //! How patches are cut into triangles: sizes that the drivers ask for.
 
-use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::TessLevel;
 
@@ -37,6 +39,26 @@ impl Parts {
         }
     }
 
+    /// Smaller parts, about 8 and about 16 a side, for patches with trims: those wholly kept can do
+    /// without the trims' code, and those wholly cut need not be drawn at all. All parts of a patch
+    /// are squares of one level, as far as the level can be cut so.
+    pub(crate) fn smaller(level: TessLevel) -> impl Iterator<Item = Self> {
+        let level = level.get();
+        let divides = move |side: &u32| level.is_multiple_of(*side);
+        let about_8 = (8..=15).find(divides).or_else(|| (2..8).rev().find(divides));
+        let about_16 = (16..=31).find(divides);
+        about_8.into_iter().chain(about_16).map(move |side| Self { side, level: level / side })
+    }
+
+    /// The parts' least and greatest (u, v).
+    pub(crate) fn boxes(self) -> impl Iterator<Item = Vec4> {
+        let border = move |i: u32| i as f32 / self.side as f32;
+        (0..self.side * self.side).map(move |part| {
+            let (u, v) = (part % self.side, part / self.side);
+            Vec4::new(border(u), border(v), border(u + 1), border(v + 1))
+        })
+    }
+
     /// Where each part begins in the domain, and the length of its side: (u, v, length).
     pub(crate) fn domains(self) -> impl Iterator<Item = Vec3> {
         let length = 1.0 / self.side as f32;
@@ -48,10 +70,40 @@ impl Parts {
 
     /// How many patches one draw of a part takes.
     pub(crate) fn patches_per_draw(self, wireframe: bool) -> usize {
-        let most = if wireframe { VERTICES_PER_DRAW_OF_LINES } else { VERTICES_PER_DRAW };
-        let vertices = (self.level + 1) * (self.level + 1);
-        (most / vertices).max(1) as usize
+        patches_per_draw(self.level, wireframe)
     }
+}
+
+fn patches_per_draw(level: u32, wireframe: bool) -> usize {
+    let most = if wireframe { VERTICES_PER_DRAW_OF_LINES } else { VERTICES_PER_DRAW };
+    (most / ((level + 1) * (level + 1))).max(1) as usize
+}
+
+/// One draw: these patches, each in these parts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Batch {
+    pub(crate) patches: Range<usize>,
+    pub(crate) instances: Range<usize>,
+}
+
+/// The draws of so many patches, each in the parts `instances`, at a level for each part.
+pub(crate) fn batches(
+    level: u32,
+    wireframe: bool,
+    patches: usize,
+    instances: Range<usize>,
+) -> impl Iterator<Item = Batch> {
+    let most = patches_per_draw(level, wireframe);
+    let patches_at_once = most.min(patches).max(1);
+    let instances_at_once = (most / patches_at_once).max(1);
+    (0..patches).step_by(patches_at_once).flat_map(move |first| {
+        let end = patches.min(first + patches_at_once);
+        let all = instances.clone();
+        all.clone().step_by(instances_at_once).map(move |instance| Batch {
+            patches: first..end,
+            instances: instance..all.end.min(instance + instances_at_once),
+        })
+    })
 }
 
 #[cfg(test)]
@@ -79,5 +131,23 @@ mod tests {
         assert_eq!(parts.len(), 4);
         assert_eq!(parts[3], Vec3::splat(0.5));
         assert_eq!(Parts::of(TessLevel::new(63).unwrap()).side, 1);
+        for level in 1..=64 {
+            let level = TessLevel::new(level).unwrap();
+            for parts in Parts::smaller(level).chain([Parts::of(level)]) {
+                assert_eq!(parts.side * parts.level, level.get());
+                let boxes: Vec<Vec4> = parts.boxes().collect();
+                assert_eq!(boxes.len() as u32, parts.side * parts.side);
+                assert_eq!((boxes[0].x, boxes[boxes.len() - 1].w), (0.0, 1.0));
+                // Neighbours meet bit for bit.
+                for (left, right) in boxes.iter().zip(&boxes[1..]) {
+                    assert!(left.z == right.x || right.x == 0.0 && left.w == right.y);
+                }
+            }
+        }
+        let sides = |level| -> Vec<u32> {
+            Parts::smaller(TessLevel::new(level).unwrap()).map(|parts| parts.side).collect()
+        };
+        let expected: [Vec<u32>; 5] = [vec![], vec![7], vec![12], vec![8, 16], vec![]];
+        assert_eq!([1, 7, 12, 32, 61].map(sides), expected);
     }
 }

@@ -14,8 +14,8 @@ mod shapes;
 
 use glam::DVec2;
 
-pub use exact::TrimGrid;
 pub(crate) use exact::Lookup;
+pub use exact::TrimGrid;
 pub use inside::inside_loops;
 pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};

@@ -4,96 +4,124 @@
 //
 // Compiled in is what a surface has: LOOPS, SHAPES.
 
-layout(std430, binding = 1) readonly buffer trimGridSsbo
-{
-    uint trimGrid_data[];
-};
+// One buffer, seen as words and as four floats each. (Reading a buffer texture costs Mesa's software
+// driver a tenth of what a storage buffer does.)
+layout(binding = 1) uniform usamplerBuffer trimWords;
+layout(binding = 2) uniform samplerBuffer trimPoints;
 
 const uint LIST = 2u;
-const uint FINER = 3u;
+const uint FINER = 4u;
+const uint LAST = 4u;
+const uint LEFT = 8u;
 
-float trimFloat(uint at)
+uint trimWord(uint at)
 {
-    return uintBitsToFloat(trimGrid_data[at]);
+    return texelFetch(trimWords, int(at)).x;
 }
 
-vec2 trimPoint(uint at)
-{
-    return vec2(trimFloat(at), trimFloat(at + 1u));
-}
-
-bool within(vec2 uv, vec4 box)
-{
-    return all(greaterThanEqual(uv, box.xy)) && all(lessThan(uv, box.zw));
-}
-
-// The cell of a sample in a lattice, row by row.
-uint cellOf(vec2 uv, vec2 least, vec2 scale, uvec2 size)
+// The number of a sample's cell in a lattice of so many columns, row by row.
+uint cellOf(vec2 uv, vec2 least, vec2 scale, int columns)
 {
     precise vec2 place = (uv - least) * scale;
-    uvec2 cell = min(uvec2(place), size - 1u);
-    return cell.y * size.x + cell.x;
+    return uint(int(place.y) * columns + int(place.x));
 }
 
 #ifdef LOOPS
-layout(location = 24) uniform vec4 loopBox;    // least and greatest (u, v) of all loops
+layout(location = 24) uniform vec4 loopBox;    // least and greatest (u, v) of the cells
 layout(location = 25) uniform vec2 loopScale;  // cells for each unit of the domain
-layout(location = 26) uniform uvec3 loopCells; // columns, rows, the word where the cells begin
+layout(location = 26) uniform ivec2 loopCells; // columns, the word where the cells begin
 layout(location = 27) uniform bool keepInside;
 
-// Whether the ray from uv towards greater u crosses a piece. The half-open test of the row decides
-// topology on stored bits alone. Where uv lies in the piece's box, the box is halved until one side
-// holds uv no more.
-bool crosses(uint at, vec2 low, vec2 high, vec2 uv)
+// Above 0 if b points to the left of a.
+float crossed(vec2 a, vec2 b)
 {
-    if ((low.y <= uv.y) == (high.y <= uv.y))
-        return false;
-    float least = min(low.x, high.x), most = max(low.x, high.x);
-    if (uv.x < least || uv.x >= most)
-        return uv.x < least;
-    precise vec2 a = low, b = trimPoint(at + 4u), c = trimPoint(at + 6u), d = high;
-    for (int halving = 0; halving < 24; ++halving) {
-        precise vec2 ab = (a + b) * 0.5, bc = (b + c) * 0.5, cd = (c + d) * 0.5;
-        precise vec2 abc = (ab + bc) * 0.5, bcd = (bc + cd) * 0.5;
-        precise vec2 middle = (abc + bcd) * 0.5;
-        if (middle.y <= uv.y) {
-            a = middle;
-            b = bcd;
-            c = cd;
-        } else {
-            b = ab;
-            c = abc;
-            d = middle;
-        }
-        least = min(a.x, d.x);
-        if (uv.x < least || uv.x >= max(a.x, d.x))
-            return uv.x < least;
-    }
-    return false;
+    precise float value = a.x * b.y - a.y * b.x;
+    return value;
 }
 
 bool insideLoops(vec2 uv)
 {
-    if (!within(uv, loopBox))
-        return false;
-    uint cell = trimGrid_data[loopCells.z + cellOf(uv, loopBox.xy, loopScale, loopCells.xy)];
-    if ((cell & 3u) == FINER) {
-        uint at = cell >> 2;
-        uvec2 size = uvec2(trimGrid_data[at + 4u], trimGrid_data[at + 5u]);
-        cell = trimGrid_data[at + 6u + cellOf(uv, trimPoint(at), trimPoint(at + 2u), size)];
+    // Cells at the box's border are empty, unless it is the domain's border.
+    uv = clamp(uv, loopBox.xy, loopBox.zw);
+    uint cell = trimWord(uint(loopCells.y) + cellOf(uv, loopBox.xy, loopScale, loopCells.x));
+#ifdef FINER_LOOPS
+    if ((cell & 7u) == FINER) {
+        uint at = cell >> 3;
+        vec2 least = uintBitsToFloat(uvec2(trimWord(at), trimWord(at + 1u)));
+        vec2 scale = uintBitsToFloat(uvec2(trimWord(at + 2u), trimWord(at + 3u)));
+        cell = trimWord(at + 5u + cellOf(uv, least, scale, int(trimWord(at + 4u))));
     }
-    if ((cell & 3u) != LIST)
-        return (cell & 1u) == 1u;
-    uint list = cell >> 2;
-    uint head = trimGrid_data[list];
-    bool inside = (head & 1u) == 1u;
-    for (uint end = list + (head >> 1); list < end;) {
-        uint reference = trimGrid_data[++list];
-        uint at = (reference >> 2) * 8u;
-        vec2 low = trimPoint(at), high = trimPoint(at + 2u);
-        uint beyond = reference & 3u;
-        bool endReached = beyond != 0u && (beyond == 1u ? low.y : high.y) <= uv.y;
-        inside = (inside != crosses(at, low, high, uv)) != endReached;
+#endif
+    bool inside = (cell & 1u) == 1u;
+    if ((cell & LIST) == 0u)
+        return inside;
+    uint at = cell >> 3;
+    bool last = false;
+#ifdef LONG_LISTS
+    while (!last)
+#endif
+    {
+        // From piece to piece; those that must be halved are marked. Drivers that do not branch do
+        // all of this for every pixel, so that halving has no place in it.
+        uint first = at, near = 0u;
+        do {
+            uint reference = trimWord(at);
+            vec4 ends = texelFetch(trimPoints, int(reference >> 4) * 2);
+            // The half-open test of the row and the box decide topology on stored bits alone.
+            bool lowReached = ends.y <= uv.y, highReached = ends.w <= uv.y;
+            bool inRow = lowReached != highReached;
+            bool leftOfBox = uv.x < min(ends.x, ends.z);
+            bool inBox = inRow && !leftOfBox && uv.x < max(ends.x, ends.z);
+            // In the box the curve lies on one side of its chord.
+            bool left = (reference & LEFT) != 0u;
+            bool outside = (left ? 1.0 : -1.0) * crossed(ends.zw - ends.xy, uv - ends.xy) < 0.0;
+            bool crosses = inBox ? outside && !left : inRow && leftOfBox;
+            bool endReached = (reference & 1u) != 0u && lowReached
+                || (reference & 2u) != 0u && highReached;
+            inside = (inside != crosses) != endReached;
+            near |= inBox && !outside ? 1u << (at - first) : 0u;
+            last = (reference & LAST) != 0u;
+            ++at;
+        } while (!last && at - first < 32u);
+
+        // One halving after the other, and from one marked piece to the next.
+        int halvings = 0;
+        bool left = false;
+        vec2 point = vec2(0.0), a = vec2(0.0), b = vec2(0.0), c = vec2(0.0), d = vec2(0.0);
+        while (near != 0u) {
+            if (halvings == 0) {
+                uint reference = trimWord(first + uint(findLSB(near)));
+                left = (reference & LEFT) != 0u;
+                int piece = int(reference >> 4) * 2;
+                vec4 ends = texelFetch(trimPoints, piece), legs = texelFetch(trimPoints, piece + 1);
+                precise vec2 chord = ends.zw - ends.xy, inner = chord - legs.zw;
+                point = uv - ends.xy;
+                a = vec2(0.0);
+                b = legs.xy;
+                c = inner;
+                d = chord;
+            }
+            // De Casteljau's averages without their factors ½: those are exact, so that it makes no
+            // difference when they are applied.
+            precise vec2 ab = a + b, bc = b + c, cd = c + d;
+            precise vec2 abc = ab + bc, bcd = bc + cd;
+            precise vec2 middle = (abc + bcd) * 0.125;
+            bool above = middle.y <= point.y;
+            b = above ? bcd * 0.25 : ab * 0.5;
+            c = above ? cd * 0.5 : abc * 0.25;
+            a = above ? middle : a;
+            d = above ? d : middle;
+            // The curve lies between its chords and the tangent in the middle.
+            float turn = left ? 1.0 : -1.0;
+            bool outside = turn * crossed(d - a, point - a) < 0.0;
+            bool beyond = turn * crossed(bcd - abc, point - middle) > 0.0;
+            ++halvings;
+            if (outside || beyond || halvings == 24) {
+                inside = inside != (outside ? !left : beyond && left);
+                near &= near - 1u;
+                halvings = 0;
+            }
+        }
     }
     return inside;
 }
@@ -102,40 +130,38 @@ bool insideLoops(vec2 uv)
 #ifdef SHAPES
 layout(location = 28) uniform vec4 shapeBox;
 layout(location = 29) uniform vec2 shapeScale;
-layout(location = 30) uniform uvec3 shapeCells;
+layout(location = 30) uniform ivec2 shapeCells;
 
 bool cutByShape(uint reference, vec2 uv)
 {
-    uint at = reference >> 2;
-    vec2 first = trimPoint(at), second = trimPoint(at + 2u);
+    int at = int(reference >> 3);
+    vec4 first = texelFetch(trimPoints, at), second = texelFetch(trimPoints, at + 1);
     if ((reference & 3u) == 1u)
-        return uv.x >= first.x && uv.x <= first.y && uv.y >= second.x && uv.y <= second.y;
-    precise vec2 off = uv - first;
-    precise vec2 terms = (second * off + trimPoint(at + 4u)) * off;
-    precise float sum = terms.x + terms.y + trimFloat(at + 6u);
+        return uv.x >= first.x && uv.x <= first.y && uv.y >= first.z && uv.y <= first.w;
+    precise vec2 off = uv - first.xy;
+    precise vec2 terms = (first.zw * off + second.xy) * off;
+    precise float sum = terms.x + terms.y + second.z;
     return sum <= 0.0;
 }
 
 bool cutByShapes(vec2 uv)
 {
-    if (!within(uv, shapeBox))
-        return false;
-    uint cell = trimGrid_data[shapeCells.z + cellOf(uv, shapeBox.xy, shapeScale, shapeCells.xy)];
-    if ((cell & 3u) != LIST)
-        return (cell & 1u) == 1u;
-    uint list = cell >> 2;
-    for (uint end = list + (trimGrid_data[list] >> 1); list < end;)
-        if (cutByShape(trimGrid_data[++list], uv))
-            return true;
-    return false;
+    uv = clamp(uv, shapeBox.xy, shapeBox.zw);
+    uint cell = trimWord(uint(shapeCells.y) + cellOf(uv, shapeBox.xy, shapeScale, shapeCells.x));
+    bool isCut = (cell & 1u) == 1u;
+    if ((cell & LIST) == 0u)
+        return isCut;
+    for (uint at = cell >> 3, reference = 0u; !isCut && (reference & LAST) == 0u; ++at) {
+        reference = trimWord(at);
+        isCut = cutByShape(reference, uv);
+    }
+    return isCut;
 }
 #endif
 
 // Whether any trim cuts uv.
 bool cut(vec2 uv)
 {
-    // The last number below 1: the domain's far borders belong to the cells before them.
-    uv = clamp(uv, 0.0, 0.99999994);
 #ifdef SHAPES
     if (cutByShapes(uv))
         return true;

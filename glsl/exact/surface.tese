@@ -5,7 +5,8 @@ layout(quads, equal_spacing, ccw) in;
 layout(location = 1) uniform mat4 modelMatrix;
 layout(location = 2) uniform mat4 viewMatrix;
 layout(location = 3) uniform mat4 projectionMatrix;
-layout(location = 4) uniform vec3 part; // of the domain: where it begins in u and v, its length
+
+patch in vec4 partOfPatch; // least and greatest (u, v)
 
 out vec3 passNormal;    // view space, unit length
 out vec2 passTessCoord; // (u, v), for the trims and the texture
@@ -50,8 +51,8 @@ void evaluate(vec2 uv, out vec4 point, out vec4 du, out vec4 dv)
     }
 }
 
-// The normal, crossed v first as in the thesis; zero where the tangents give none. The quotient
-// rule's denominator shortens both tangents alike.
+// The normal, crossed v first as in the thesis; zero where the tangents give none: where one is as
+// short as rounding beside the other. The quotient rule's denominator shortens both alike.
 vec3 normal(vec4 point, vec4 du, vec4 dv)
 {
     mat3 toView = mat3(viewMatrix) * mat3(modelMatrix);
@@ -59,12 +60,14 @@ vec3 normal(vec4 point, vec4 du, vec4 dv)
     vec3 tangentV = toView * (dv.xyz * point.w - point.xyz * dv.w);
     vec3 crossed = cross(tangentV, tangentU);
     float size = length(crossed);
-    return size > 1e-5 * length(tangentU) * length(tangentV) ? crossed / size : vec3(0.0);
+    float longest = max(dot(tangentU, tangentU), dot(tangentV, tangentV));
+    return size > 1e-5 * longest ? crossed / size : vec3(0.0);
 }
 
 void main()
 {
-    vec2 uv = part.xy + part.z * gl_TessCoord.xy;
+    // So that parts meet bit for bit: exact at 0 and at 1.
+    precise vec2 uv = partOfPatch.xy * (1.0 - gl_TessCoord.xy) + partOfPatch.zw * gl_TessCoord.xy;
     vec4 point, du, dv;
     evaluate(uv, point, du, dv);
     passNormal = normal(point, du, dv);

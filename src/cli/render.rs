@@ -186,8 +186,8 @@ impl Job {
             }
         }
         let start = Instant::now();
-        let image = prepared
-            .picture(&mut self.renderer, &self.target, &frame, |_, _| bar.inc(1))?;
+        let image =
+            prepared.picture(&mut self.renderer, &self.target, &frame, |_, _| bar.inc(1))?;
         times.picture = start.elapsed();
         let complaints = self.context.debug_log().take_errors();
         if !complaints.is_empty() {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{Mat4, UVec3, Vec2, Vec3, Vec4};
+use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
 use glow::{HasContext, NativeUniformLocation};
 
 use super::create;
@@ -192,13 +192,11 @@ impl Program {
         unsafe { self.gl.program_uniform_4_f32(self.raw, Some(&location), x, y, z, w) }
     }
 
-    /// Sets a `uvec3`.
-    pub fn set_uvec3(&self, location: u32, value: UVec3) {
+    /// Sets an `ivec2`.
+    pub fn set_ivec2(&self, location: u32, value: IVec2) {
         let location = NativeUniformLocation(location);
         // SAFETY: as in `set_mat4`.
-        unsafe {
-            self.gl.program_uniform_3_u32(self.raw, Some(&location), value.x, value.y, value.z);
-        }
+        unsafe { self.gl.program_uniform_2_i32(self.raw, Some(&location), value.x, value.y) }
     }
 
     /// Sets a `float`.

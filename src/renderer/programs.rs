@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
-use crate::{Degree, FreeFormSurface, Method, Result, Shading};
+use crate::{Degree, FreeFormSurface, Result, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -80,8 +80,8 @@ pub mod location {
 pub const TRIM_POINTS_BINDING: u32 = 1;
 /// Binding point of `trimShapesSsbo`.
 pub const TRIM_SHAPES_BINDING: u32 = 2;
-/// Binding point of `trimGridSsbo`.
-pub const TRIM_GRID_BINDING: u32 = 1;
+/// Texture unit of `trimWords`; the next is that of `trimPoints`.
+pub const TRIM_WORDS_UNIT: u32 = 1;
 
 /// Which stages draw something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -102,14 +102,13 @@ pub enum Pipeline {
 }
 
 impl Pipeline {
-    /// How a method draws a surface. Of the thesis' two works the report draws what it can, unlit 5×5
-    /// patches, and the thesis everything else.
+    /// Which of the two ported works draws a surface: the report what it can, unlit 5×5 patches, and
+    /// the thesis everything else.
     #[must_use]
-    pub fn of(surface: &FreeFormSurface, method: Method, samples: u32) -> Self {
-        match (method, surface.degree(), surface.shading()) {
-            (Method::Exact, degree, _) => Self::Exact { degree, samples },
-            (Method::Thesis, Degree::Quartic, Shading::Unlit) => Self::Report,
-            (Method::Thesis, degree, _) => Self::Thesis(degree),
+    pub fn ported(surface: &FreeFormSurface) -> Self {
+        match (surface.degree(), surface.shading()) {
+            (Degree::Quartic, Shading::Unlit) => Self::Report,
+            (degree, _) => Self::Thesis(degree),
         }
     }
 }
@@ -135,6 +134,10 @@ pub struct TrimFeatures {
     pub nested_cubics: bool,
     /// The exact method's loops.
     pub loop_grid: bool,
+    /// Crowded cells of theirs.
+    pub finer_loops: bool,
+    /// Cells of theirs with more than 32 pieces.
+    pub long_lists: bool,
     /// The exact method's circles, intervals and ellipses.
     pub shape_grid: bool,
 }
@@ -151,6 +154,8 @@ impl TrimFeatures {
         cubics: false,
         nested_cubics: false,
         loop_grid: false,
+        finer_loops: false,
+        long_lists: false,
         shape_grid: false,
     };
 
@@ -172,7 +177,9 @@ impl TrimFeatures {
         self.quadratics || self.nested_quadratics || self.cubics || self.nested_cubics
     }
 
-    const fn any(&self) -> bool {
+    /// Whether there is any.
+    #[must_use]
+    pub const fn any(&self) -> bool {
         self.circles
             || self.intervals
             || self.ellipses
@@ -181,7 +188,7 @@ impl TrimFeatures {
             || self.shape_grid
     }
 
-    const fn defines(&self) -> [(&'static str, bool); 11] {
+    const fn defines(&self) -> [(&'static str, bool); 13] {
         [
             ("TRIMMED", self.any()),
             ("CIRCLES", self.circles),
@@ -193,6 +200,8 @@ impl TrimFeatures {
             ("CUBICS", self.cubics),
             ("NESTED_CUBICS", self.nested_cubics),
             ("LOOPS", self.loop_grid),
+            ("FINER_LOOPS", self.finer_loops),
+            ("LONG_LISTS", self.long_lists),
             ("SHAPES", self.shape_grid),
         ]
     }
@@ -216,9 +225,11 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 13] = glsl![
+const FILES: [(&str, &str); 15] = glsl![
     "common/phong.glsl",
     "common/trim.glsl",
+    "exact/surface.vert",
+    "exact/surface.tesc",
     "exact/surface.tese",
     "exact/surface.frag",
     "thesis/surface.vert",
@@ -300,8 +311,8 @@ impl Sources {
                 "exact surface",
                 degree.side(),
                 &[
-                    (Vertex, "thesis/surface.vert"),
-                    (TessControl, "thesis/surface.tesc"),
+                    (Vertex, "exact/surface.vert"),
+                    (TessControl, "exact/surface.tesc"),
                     (TessEvaluation, "exact/surface.tese"),
                     (Fragment, "exact/surface.frag"),
                 ],

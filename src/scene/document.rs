@@ -11,8 +11,8 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::{
-    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel, bpt, default_control_points,
-    line_of, load_texture, read_text,
+    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel, bpt,
+    default_control_points, line_of, load_texture, read_text,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;

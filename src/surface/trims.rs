@@ -2,58 +2,49 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec4};
+use glam::{IVec2, Vec2, Vec4, Vec4Swizzles as _};
 
-use crate::gpu::{Buffer, Program};
+use crate::gpu::{Buffer, Program, TexelBuffer};
 use crate::renderer::programs::{
-    TRIM_GRID_BINDING, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location,
+    TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
+use crate::tessellation::Parts;
 use crate::trim::Lookup;
-use crate::{Method, Newton, NewtonTrims, Result, TrimGrid, Trims};
+use crate::{Method, Newton, NewtonTrims, Result, TessLevel, TrimGrid, Trims};
 
-/// What the shaders of one method read. It is made when the method first draws the surface, and
-/// again when its trims have changed.
+/// What the shaders of one method read. It is made when the method first draws the surface at a
+/// level, and again when its trims have changed.
 #[derive(Debug)]
-pub(super) enum UploadedTrims {
+pub(crate) enum UploadedTrims {
     Thesis(ThesisTrims),
     Exact(ExactTrims),
 }
 
 impl UploadedTrims {
-    pub(super) fn new(gl: &Arc<glow::Context>, trims: &Trims, method: Method) -> Result<Self> {
+    pub(super) fn new(
+        gl: &Arc<glow::Context>,
+        trims: &Trims,
+        method: Method,
+        level: TessLevel,
+    ) -> Result<Self> {
         Ok(match method {
             Method::Thesis => Self::Thesis(ThesisTrims::new(gl, trims)?),
-            Method::Exact => Self::Exact(ExactTrims::new(gl, trims)?),
+            Method::Exact => Self::Exact(ExactTrims::new(gl, trims, level)?),
         })
     }
 
-    pub(super) const fn method(&self) -> Method {
+    /// Whether it is what a method needs at a level.
+    pub(super) fn fits(&self, method: Method, level: TessLevel) -> bool {
         match self {
-            Self::Thesis(_) => Method::Thesis,
-            Self::Exact(_) => Method::Exact,
-        }
-    }
-
-    /// The kinds of trims that the surface has, switched on or not: a switch compiles nothing.
-    pub(super) const fn features(&self, trims: &Trims) -> TrimFeatures {
-        match self {
-            Self::Thesis(thesis) => thesis.features(trims),
-            Self::Exact(_) => ExactTrims::features(trims),
-        }
-    }
-
-    /// Sets the uniforms and buffers of the features.
-    pub(super) fn set(&self, trims: &Trims, program: &Program, newton: &Newton) {
-        match self {
-            Self::Thesis(thesis) => thesis.set(trims, program, newton),
-            Self::Exact(exact) => exact.set(trims, program),
+            Self::Thesis(_) => method == Method::Thesis,
+            Self::Exact(exact) => method == Method::Exact && exact.level == level,
         }
     }
 }
 
 /// The names and the buffers of the listings.
 #[derive(Debug)]
-pub(super) struct ThesisTrims {
+pub(crate) struct ThesisTrims {
     loops: NewtonTrims,
     points: Option<Buffer>,
     shapes: Option<Buffer>,
@@ -68,7 +59,8 @@ impl ThesisTrims {
         Ok(Self { loops, points, shapes })
     }
 
-    const fn features(&self, trims: &Trims) -> TrimFeatures {
+    /// The kinds of trims that the surface has, switched on or not: a switch compiles nothing.
+    pub(crate) const fn features(&self, trims: &Trims) -> TrimFeatures {
         TrimFeatures {
             circles: !trims.circles.is_empty(),
             intervals: !trims.intervals.is_empty(),
@@ -84,7 +76,8 @@ impl ThesisTrims {
         }
     }
 
-    fn set(&self, trims: &Trims, program: &Program, newton: &Newton) {
+    /// Sets the uniforms and buffers of the features.
+    pub(crate) fn set(&self, trims: &Trims, program: &Program, newton: &Newton) {
         let switch = |on: bool, count: usize| if on { count as i32 } else { 0 };
         if let Some(circle) = trims.circles.first() {
             program.set_i32(location::CIRC_BOOL, switch(trims.circles_on, trims.circles.len()));
@@ -125,59 +118,141 @@ impl ThesisTrims {
     }
 }
 
-/// The exact method's grids.
+/// The exact method's grids, and the parts of a patch that they leave to be drawn.
 #[derive(Debug)]
-pub(super) struct ExactTrims {
-    loops: Lookup,
-    shapes: Lookup,
+pub(crate) struct ExactTrims {
+    loops: Option<Lookup>,
+    shapes: Option<Lookup>,
     keeps_inside: bool,
-    grid: Option<Buffer>,
+    features: TrimFeatures,
+    words: Option<TexelBuffer>,
+    level: TessLevel,
+    parts: PartList,
+}
+
+/// Parts of the domain in the driver's memory: first those that are wholly kept, then those that the
+/// trims may cut.
+#[derive(Debug)]
+pub(crate) struct PartList {
+    /// Tessellation level of each.
+    pub(crate) level: u32,
+    /// How many are wholly kept.
+    pub(crate) kept: usize,
+    /// How many must be trimmed.
+    pub(crate) trimmed: usize,
+    /// Their least and greatest (u, v). None if nothing is kept of the surface.
+    pub(crate) boxes: Option<Buffer>,
 }
 
 impl ExactTrims {
-    fn new(gl: &Arc<glow::Context>, trims: &Trims) -> Result<Self> {
+    fn new(gl: &Arc<glow::Context>, trims: &Trims, level: TessLevel) -> Result<Self> {
         let grid = TrimGrid::new(trims);
+        let features = TrimFeatures {
+            loop_grid: grid.loops().is_some(),
+            finer_loops: grid.has_finer_cells(),
+            long_lists: grid.has_long_lists(),
+            shape_grid: grid.shapes().is_some(),
+            ..TrimFeatures::NONE
+        };
+        let words = match grid.words() {
+            [] => None,
+            words => Some(TexelBuffer::new(gl, "trim grid", words)?),
+        };
         Ok(Self {
-            loops: *grid.loops(),
-            shapes: *grid.shapes(),
+            loops: grid.loops(),
+            shapes: grid.shapes(),
             keeps_inside: grid.keeps_inside(),
-            grid: uploaded(gl, "trim grid", grid.words())?,
+            features,
+            words,
+            level,
+            parts: PartList::new(gl, &grid, features, level)?,
         })
     }
 
-    const fn features(trims: &Trims) -> TrimFeatures {
-        TrimFeatures {
-            loop_grid: !trims.loops.is_empty(),
-            shape_grid: !(trims.circles.is_empty()
-                && trims.intervals.is_empty()
-                && trims.ellipses.is_empty()),
-            ..TrimFeatures::NONE
-        }
+    /// The kinds of trims that cut something.
+    pub(crate) const fn features(&self) -> TrimFeatures {
+        self.features
     }
 
-    fn set(&self, trims: &Trims, program: &Program) {
-        let features = Self::features(trims);
-        if features.loop_grid {
+    pub(crate) const fn parts(&self) -> &PartList {
+        &self.parts
+    }
+
+    /// Sets the uniforms and textures of the features.
+    pub(crate) fn set(&self, program: &Program) {
+        if let Some(loops) = &self.loops {
             let places = [location::LOOP_BOX, location::LOOP_SCALE, location::LOOP_CELLS];
-            set_lookup(program, places, &self.loops);
+            set_lookup(program, places, loops);
             program.set_i32(location::KEEP_INSIDE, i32::from(self.keeps_inside));
         }
-        if features.shape_grid {
+        if let Some(shapes) = &self.shapes {
             let places = [location::SHAPE_BOX, location::SHAPE_SCALE, location::SHAPE_CELLS];
-            set_lookup(program, places, &self.shapes);
+            set_lookup(program, places, shapes);
         }
-        if let Some(grid) = &self.grid {
-            grid.bind_storage(TRIM_GRID_BINDING);
+        if let Some(words) = &self.words {
+            words.bind(TRIM_WORDS_UNIT);
         }
+    }
+}
+
+impl PartList {
+    fn new(
+        gl: &Arc<glow::Context>,
+        grid: &TrimGrid,
+        features: TrimFeatures,
+        level: TessLevel,
+    ) -> Result<Self> {
+        let mut best = Classified::new(grid, Parts::of(level));
+        if features.any() {
+            for parts in Parts::smaller(level) {
+                let smaller = Classified::new(grid, parts);
+                if smaller.trimmed_share() < Classified::WORTH_IT * best.trimmed_share() {
+                    best = smaller;
+                }
+            }
+        }
+        let Classified { parts, mut kept, trimmed } = best;
+        let kept_count = kept.len();
+        kept.extend(&trimmed);
+        let boxes = uploaded(gl, "parts", &kept)?;
+        Ok(Self { level: parts.level, kept: kept_count, trimmed: trimmed.len(), boxes })
+    }
+}
+
+/// The parts of a patch that are wholly kept, and those that the trims may cut; the others are gone.
+struct Classified {
+    parts: Parts,
+    kept: Vec<Vec4>,
+    trimmed: Vec<Vec4>,
+}
+
+impl Classified {
+    /// Smaller parts cost vertices: they must leave so much less of the domain to be trimmed.
+    const WORTH_IT: f32 = 0.8;
+
+    fn new(grid: &TrimGrid, parts: Parts) -> Self {
+        let (mut kept, mut trimmed) = (Vec::new(), Vec::new());
+        for part in parts.boxes() {
+            match grid.cut_throughout(part.xy(), part.zw()) {
+                Some(true) => {}
+                Some(false) => kept.push(part),
+                None => trimmed.push(part),
+            }
+        }
+        Self { parts, kept, trimmed }
+    }
+
+    fn trimmed_share(&self) -> f32 {
+        self.trimmed.len() as f32 / (self.parts.side * self.parts.side) as f32
     }
 }
 
 fn set_lookup(program: &Program, [place, scale, cells]: [u32; 3], lookup: &Lookup) {
     let lattice = &lookup.lattice;
-    let (least, most) = (lattice.least, lattice.most);
+    let [least, most] = lattice.sample_box();
     program.set_vec4(place, Vec4::new(least.x, least.y, most.x, most.y));
     program.set_vec2(scale, lattice.scale);
-    program.set_uvec3(cells, lattice.size.extend(lookup.cells));
+    program.set_ivec2(cells, IVec2::new(lattice.size.x as i32, lookup.cells as i32));
 }
 
 fn uploaded<T: bytemuck::Pod>(

@@ -3,13 +3,10 @@
 
 use glam::Vec2;
 
-use super::grid::{FINER, LIST, PIECE_WORDS};
+use super::grid::{FINER, LIST, LONG_LIST, PIECE_WORDS, listed};
 use super::lattice::Lattice;
 use super::pieces::{Piece, monotone_curves};
 use super::{Keep, Trims, grid, shapes};
-
-/// The greatest sample that is looked up: `f32`'s last number below 1.
-const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The trims of a surface, compiled for fast and exact decisions.
 ///
@@ -19,10 +16,11 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrimGrid {
     words: Vec<u32>,
-    loops: Lookup,
-    shapes: Lookup,
+    loops: Option<Lookup>,
+    shapes: Option<Lookup>,
     keeps_inside: bool,
     pieces: usize,
+    has_long_lists: bool,
 }
 
 /// A grid in the words.
@@ -42,18 +40,75 @@ impl TrimGrid {
         let cut_loops = trims.loops_on && !trims.loops.is_empty();
         let curves = if cut_loops { monotone_curves(&trims.loops) } else { Vec::new() };
         let lookup = |(lattice, cells)| Lookup { lattice, cells: cells as u32 };
-        let (loops, pieces) = grid::build(&curves, &mut words);
-        let loops = lookup(loops);
-        let shapes = lookup(shapes::build(trims, &mut words));
+        let grid = grid::build(&curves, &mut words);
+        // Shapes are read four words at a time.
+        words.resize(words.len().next_multiple_of(4), 0);
+        let shapes = shapes::build(trims, &mut words).map(lookup);
         let keeps_inside = cut_loops && trims.keep == Keep::Inside;
-        Self { words, loops, shapes, keeps_inside, pieces }
+        Self {
+            words,
+            loops: grid.map(|grid| lookup((grid.lattice, grid.cells))),
+            shapes,
+            keeps_inside,
+            pieces: grid.map_or(0, |grid| grid.pieces),
+            has_long_lists: grid.is_some_and(|grid| grid.longest > LONG_LIST),
+        }
     }
 
     /// Whether `uv` is cut, in the arithmetic of the shaders.
     #[must_use]
     pub fn cut(&self, uv: Vec2) -> bool {
-        let uv = uv.clamp(Vec2::ZERO, Vec2::splat(BELOW_ONE));
         self.cut_by_shapes(uv) || self.inside_loops(uv) != self.keeps_inside
+    }
+
+    /// Whether everything in the rectangle from `least` to `most` is cut (`true`) or kept (`false`),
+    /// or not known: some of it may be either.
+    #[must_use]
+    pub fn cut_throughout(&self, least: Vec2, most: Vec2) -> Option<bool> {
+        let inside = |lookup: &Option<Lookup>| match lookup {
+            None => Some(false),
+            Some(lookup) => self.throughout(lookup, least, most),
+        };
+        let loops = || inside(&self.loops).map(|inside| inside != self.keeps_inside);
+        match inside(&self.shapes) {
+            Some(true) => Some(true),
+            Some(false) => loops(),
+            None => loops().filter(|cut| *cut),
+        }
+    }
+
+    /// What all cells that a rectangle touches say, if they say one thing.
+    fn throughout(&self, lookup: &Lookup, least: Vec2, most: Vec2) -> Option<bool> {
+        // Samples of a rectangle may be rounded out of it.
+        const MARGIN: f32 = 1e-6;
+        let (least, most) = (least - MARGIN, most + MARGIN);
+        let lattice = &lookup.lattice;
+        let [first, last] = [least, most].map(|corner| lattice.cell(lattice.clamp(corner)));
+        let mut found = None;
+        for row in first.y..=last.y {
+            for column in first.x..=last.x {
+                let cell = self.words[(lookup.cells + row * lattice.size.x + column) as usize];
+                let says = cell & 1 == 1;
+                if cell & (LIST | FINER) != 0 || found.is_some_and(|found| found != says) {
+                    return None;
+                }
+                found = Some(says);
+            }
+        }
+        found
+    }
+
+    /// Whether a list is too long to be walked in one go.
+    pub(crate) const fn has_long_lists(&self) -> bool {
+        self.has_long_lists
+    }
+
+    /// Whether a cell has a finer lattice of its own.
+    pub(crate) fn has_finer_cells(&self) -> bool {
+        self.loops.is_some_and(|loops| {
+            let cells = &self.words[loops.cells as usize..][..loops.lattice.count()];
+            cells.iter().any(|cell| cell & 7 == FINER)
+        })
     }
 
     /// How many monotone pieces the loops were cut into; those are the first words, eight each.
@@ -68,54 +123,48 @@ impl TrimGrid {
         &self.words
     }
 
-    pub(crate) const fn loops(&self) -> &Lookup {
-        &self.loops
+    pub(crate) const fn loops(&self) -> Option<Lookup> {
+        self.loops
     }
 
-    pub(crate) const fn shapes(&self) -> &Lookup {
-        &self.shapes
+    pub(crate) const fn shapes(&self) -> Option<Lookup> {
+        self.shapes
     }
 
     pub(crate) const fn keeps_inside(&self) -> bool {
         self.keeps_inside
     }
 
-    /// The cell of a sample, unless the sample is outside the grid.
-    fn cell(&self, lookup: &Lookup, uv: Vec2) -> Option<u32> {
-        let Lattice { least, most, .. } = lookup.lattice;
-        let inside = uv.cmpge(least).all() && uv.cmplt(most).all();
-        inside.then(|| self.words[lookup.cells as usize + lookup.lattice.cell_of(uv)])
+    /// The cell of a sample.
+    fn cell(&self, lookup: &Lookup, uv: Vec2) -> u32 {
+        self.words[lookup.cells as usize + lookup.lattice.cell_of(uv)]
     }
 
     fn cut_by_shapes(&self, uv: Vec2) -> bool {
-        match self.cell(&self.shapes, uv) {
-            None => false,
-            Some(cell) if cell & 3 != LIST => cell & 1 == 1,
-            Some(cell) => {
-                let list = (cell >> 2) as usize;
-                let count = (self.words[list] >> 1) as usize;
-                self.words[list + 1..][..count]
-                    .iter()
-                    .any(|reference| shapes::cuts(&self.words, *reference, uv))
-            }
+        let Some(lookup) = &self.shapes else { return false };
+        let uv = lookup.lattice.clamp(uv);
+        match self.cell(lookup, uv) {
+            cell if cell & LIST == 0 => cell & 1 == 1,
+            cell => listed(&self.words[(cell >> 3) as usize..])
+                .any(|reference| shapes::cuts(&self.words, reference, uv)),
         }
     }
 
     fn inside_loops(&self, uv: Vec2) -> bool {
-        let Some(mut cell) = self.cell(&self.loops, uv) else { return false };
-        if cell & 3 == FINER {
-            let at = (cell >> 2) as usize;
+        let Some(lookup) = &self.loops else { return false };
+        let uv = lookup.lattice.clamp(uv);
+        let mut cell = self.cell(lookup, uv);
+        if cell & 7 == FINER {
+            let at = (cell >> 3) as usize;
             let finer = Lattice::from_words(&self.words[at..]);
             cell = self.words[at + Lattice::WORDS + finer.cell_of(uv)];
         }
-        if cell & 3 != LIST {
-            return cell & 1 == 1;
+        let inside = cell & 1 == 1;
+        if cell & LIST == 0 {
+            return inside;
         }
-        let list = (cell >> 2) as usize;
-        let head = self.words[list];
-        let references = &self.words[list + 1..][..(head >> 1) as usize];
-        references.iter().fold(head & 1 == 1, |inside, reference| {
-            let piece = Piece::from_words(&self.words[(reference >> 2) as usize * PIECE_WORDS..]);
+        listed(&self.words[(cell >> 3) as usize..]).fold(inside, |inside, reference| {
+            let piece = Piece::from_words(&self.words[(reference >> 4) as usize * PIECE_WORDS..]);
             let end = match reference & 3 {
                 0 => false,
                 1 => piece.low.y <= uv.y,
@@ -179,9 +228,8 @@ mod tests {
     fn check(loops: &[TrimLoop], samples: impl Iterator<Item = Vec2>) {
         let grid = grid_of(loops);
         for uv in samples {
-            let clamped = uv.clamp(Vec2::ZERO, Vec2::splat(BELOW_ONE));
             let decided = grid.cut(uv);
-            assert_eq!(decided, grid.inside_by_all_pieces(clamped), "grid and pieces at {uv:?}");
+            assert_eq!(decided, grid.inside_by_all_pieces(uv), "grid and pieces at {uv:?}");
             let uv = uv.as_dvec2();
             if decided != inside_loops(loops, uv) {
                 let off = distance(loops, uv);

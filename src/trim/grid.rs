@@ -17,10 +17,11 @@
 //! | cell | meaning |
 //! |---|---|
 //! | 0, 1 | everything in it is outside, inside |
-//! | offset · 4 + 2 | a list: count · 2 + parity of the corner less its pieces', then the references |
-//! | offset · 4 + 3 | a finer lattice: least u, v, scale u, v, columns, rows, then its cells |
+//! | offset · 8 + 2, 3 | a list of references there; 3 if without them the corner were inside |
+//! | offset · 8 + 4 | a finer lattice there: least u, v, scale u, v, columns, then its cells |
 //!
-//! A reference is piece · 4, plus 1 if the lower end lies right of the cell, 2 if the upper one.
+//! A reference is piece · 16, plus 1 if the piece's lower end lies right of the cell, 2 if its upper
+//! one does, plus 4 for the last of a list, plus 8 if the piece bulges to the left of its chord.
 
 use glam::{DVec2, Vec2};
 
@@ -29,13 +30,19 @@ use super::pieces::{Curve, Piece, split};
 
 /// Words of a piece.
 pub(super) const PIECE_WORDS: usize = 8;
-/// Kind of a cell with a list.
+/// Bit of a cell with a list.
 pub(super) const LIST: u32 = 2;
-/// Kind of a cell with a finer lattice.
-pub(super) const FINER: u32 = 3;
+/// Bit of a cell with a finer lattice.
+pub(super) const FINER: u32 = 4;
+/// Bit of the last reference of a list.
+pub(super) const LAST: u32 = 4;
+/// Bit of a reference to a piece that bulges to the left of its chord.
+const LEFT: u32 = 8;
+/// A longer list is walked in several goes by the shader.
+pub(super) const LONG_LIST: usize = 32;
 
 /// Cells along a side.
-const SIDES: std::ops::RangeInclusive<u32> = 16..=256;
+const SIDES: std::ops::RangeInclusive<u32> = 18..=256;
 /// A cell with more pieces than this is cut once more.
 const CROWDED: usize = 12;
 /// Cutting pieces to the size of cells makes at most this many, or so many for each curve.
@@ -66,8 +73,9 @@ impl Reference {
         Self { piece: piece as u32, beyond }
     }
 
-    fn word(self) -> u32 {
-        self.piece * 4 + self.beyond as u32
+    fn word(self, shape: &Piece) -> u32 {
+        let left = if shape.bulges_left() { LEFT } else { 0 };
+        self.piece * 16 + self.beyond as u32 + left
     }
 
     /// Whether the row of the end beyond the cell is reached at `v`.
@@ -80,35 +88,44 @@ impl Reference {
     }
 }
 
+/// What was built.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Grid {
+    pub(super) lattice: Lattice,
+    /// The word where its cells begin.
+    pub(super) cells: usize,
+    pub(super) pieces: usize,
+    /// Length of the longest list of references.
+    pub(super) longest: usize,
+}
+
 /// Builds the grid of closed chains of monotone curves in `words`, which is empty: first the pieces.
-/// Returns the lattice, where its cells begin, and the number of pieces.
-pub(super) fn build(curves: &[Curve], words: &mut Vec<u32>) -> ((Lattice, usize), usize) {
-    let lattice = lattice_of(curves);
+/// None if nothing is inside the chains.
+pub(super) fn build(curves: &[Curve], words: &mut Vec<u32>) -> Option<Grid> {
+    let lattice = lattice_of(curves)?;
     let parts = cut_to_cells(curves, &lattice);
     let pieces: Vec<Piece> = parts.iter().filter_map(Piece::new).collect();
-    if pieces.iter().all(Piece::is_level) {
-        return ((Lattice::EMPTY, 0), 0);
-    }
     words.reserve(pieces.len() * (PIECE_WORDS + 4) + lattice.count());
     words.extend(pieces.iter().flat_map(Piece::words));
     let all: Vec<Reference> = (0..pieces.len() as u32)
         .map(|piece| Reference { piece, beyond: Beyond::Neither })
         .collect();
-    let cells = Builder { pieces: &pieces, words }.cells(&lattice, &all, false, true);
-    ((lattice, cells), pieces.len())
+    let mut builder = Builder { pieces: &pieces, words, longest: 0 };
+    let cells = builder.cells(&lattice, &all, false, true);
+    Some(Grid { lattice, cells, pieces: pieces.len(), longest: builder.longest })
 }
 
 /// The lattice over the curves: about 4 cells for each, fewer if that cut long curves into too many
 /// pieces.
-fn lattice_of(curves: &[Curve]) -> Lattice {
+fn lattice_of(curves: &[Curve]) -> Option<Lattice> {
     let mut least = Vec2::INFINITY;
     let mut most = Vec2::NEG_INFINITY;
     for piece in curves.iter().filter_map(Piece::new) {
         least = least.min(piece.low.min(piece.high));
         most = most.max(piece.low.max(piece.high));
     }
-    if least.cmpgt(most).any() {
-        return Lattice::EMPTY;
+    if !least.cmplt(most).all() {
+        return None;
     }
     let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
     let extent = (most - least).as_dvec2();
@@ -118,10 +135,10 @@ fn lattice_of(curves: &[Curve]) -> Lattice {
         let cells = |curve: &Curve| ((curve[3] - curve[0]).abs() / extent * side).max_element();
         curves.iter().map(|curve| cells(curve).max(1.0)).sum()
     };
-    while side > 1.0 && pieces_at(side) > budget as f64 / 2.0 {
+    while side > 4.0 && pieces_at(side) > budget as f64 / 2.0 {
         side *= 0.5;
     }
-    Lattice::new(least, most, side as u32)
+    Some(Lattice::with_rim(least, most, side as u32))
 }
 
 /// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
@@ -187,9 +204,25 @@ fn halve(curve: &Curve, depth: u32, parts: &mut Vec<Curve>, limit: &impl Fn(&Cur
     }
 }
 
+/// Appends a list of references, which must not be empty.
+pub(super) fn push_list(words: &mut Vec<u32>, references: impl Iterator<Item = u32>) {
+    words.extend(references);
+    if let Some(last) = words.last_mut() {
+        *last |= LAST;
+    }
+}
+
+/// The references of a list.
+pub(super) fn listed(words: &[u32]) -> impl Iterator<Item = u32> {
+    let end = words.iter().position(|word| word & LAST != 0).map_or(words.len(), |last| last + 1);
+    words[..end].iter().copied()
+}
+
 struct Builder<'a> {
     pieces: &'a [Piece],
     words: &'a mut Vec<u32>,
+    /// Length of the longest list.
+    longest: usize,
 }
 
 impl Builder<'_> {
@@ -245,13 +278,16 @@ impl Builder<'_> {
                 let header = self.words.len();
                 self.words.extend(finer.words());
                 self.cells(&finer, &references, base, false);
-                return header as u32 * 4 + FINER;
+                return header as u32 * 8 + FINER;
             }
         }
         let list = self.words.len();
-        self.words.push(references.len() as u32 * 2 + u32::from(base));
-        self.words.extend(references.iter().map(|reference| reference.word()));
-        list as u32 * 4 + LIST
+        self.longest = self.longest.max(references.len());
+        let words = references
+            .iter()
+            .map(|reference| reference.word(&self.pieces[reference.piece as usize]));
+        push_list(self.words, words);
+        list as u32 * 8 + LIST + u32::from(base)
     }
 
     /// The lattice of a crowded cell; a coarser one if its pieces are large, so that the references
@@ -300,10 +336,17 @@ impl Builder<'_> {
             let last = rows.partition_point(|[bottom, _]| *bottom < piece.high.y);
             for row in first..last {
                 let v = rows[row][0];
-                let left_of_it =
-                    columns.partition_point(|[_, right]| piece.crosses(Vec2::new(*right, v)));
+                let [least, most] = piece.u_range();
+                let surely = columns.partition_point(|[_, right]| *right < least);
                 turns[row * (width + 1)] ^= true;
-                turns[row * (width + 1) + left_of_it] ^= true;
+                turns[row * (width + 1) + surely] ^= true;
+                let maybe = columns[surely..].iter().take_while(|[_, right]| *right < most);
+                for (column, [_, right]) in (surely..).zip(maybe) {
+                    if piece.crosses(Vec2::new(*right, v)) {
+                        turns[row * (width + 1) + column] ^= true;
+                        turns[row * (width + 1) + column + 1] ^= true;
+                    }
+                }
             }
         }
         let mut corners = Vec::with_capacity(width * rows.len());

@@ -9,7 +9,7 @@ pub(crate) struct Lattice {
     pub(crate) least: Vec2,
     /// Greatest corner.
     pub(crate) most: Vec2,
-    /// Cells for each unit of the domain.
+    /// Cells for each unit of the domain, such that no sample of the box is beyond the last.
     pub(crate) scale: Vec2,
     /// Columns and rows.
     pub(crate) size: UVec2,
@@ -19,34 +19,43 @@ pub(crate) struct Lattice {
 pub(super) type Bounds = [f32; 2];
 
 impl Lattice {
-    /// A box that holds nothing.
-    pub(super) const EMPTY: Self =
-        Self { least: Vec2::ONE, most: Vec2::ZERO, scale: Vec2::ZERO, size: UVec2::ONE };
+    /// The lattice over what lies in the domain between two corners, with a rim of cells around it
+    /// that hold nothing; samples outside are looked up there. At the border of the domain there is
+    /// no rim.
+    pub(super) fn with_rim(least: Vec2, most: Vec2, side: u32) -> Self {
+        // A little more than the rim's cells, because of rounding; and never without width.
+        let rim = (most - least).max(Vec2::splat(1e-6)) * (1.1 / (side - 2) as f32);
+        Self::new((least - rim).max(Vec2::ZERO), (most + rim).min(Vec2::ONE), side)
+    }
 
     pub(super) fn new(least: Vec2, most: Vec2, side: u32) -> Self {
-        let extent = most - least;
-        let scale = |length: f32| if length > 0.0 { side as f32 / length } else { 0.0 };
-        let scale = Vec2::new(scale(extent.x), scale(extent.y));
-        // A box too thin to be cut is one column or row.
-        let size = |scale: f32| if scale > 0.0 && scale.is_finite() { side } else { 1 };
-        let size = UVec2::new(size(scale.x), size(scale.y));
-        let scale = Vec2::select(scale.is_finite_mask(), scale, Vec2::ZERO);
+        let scale = |axis: usize| {
+            let extent = most[axis] - least[axis];
+            let mut scale = side as f32 / extent;
+            while (most[axis].next_down() - least[axis]) * scale >= side as f32 {
+                scale = scale.next_down();
+            }
+            // A box too thin to be cut is one column or row.
+            if scale.is_finite() { (scale, side) } else { (0.0, 1) }
+        };
+        let [(scale_u, columns), (scale_v, rows)] = [scale(0), scale(1)];
+        let (scale, size) = (Vec2::new(scale_u, scale_v), UVec2::new(columns, rows));
         Self { least, most, scale, size }
     }
 
     /// Words of a lattice in the shader's buffer.
-    pub(super) const WORDS: usize = 6;
+    pub(super) const WORDS: usize = 5;
 
     pub(super) fn words(&self) -> [u32; Self::WORDS] {
         let [u, v] = self.least.to_array().map(f32::to_bits);
         let [scale_u, scale_v] = self.scale.to_array().map(f32::to_bits);
-        [u, v, scale_u, scale_v, self.size.x, self.size.y]
+        [u, v, scale_u, scale_v, self.size.x]
     }
 
-    /// The lattice of such words; they do not tell its greatest corner.
+    /// The lattice of such words; they do not tell its greatest corner and its rows.
     pub(super) fn from_words(words: &[u32]) -> Self {
         let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
-        let size = UVec2::new(words[4], words[5]);
+        let size = UVec2::new(words[4], 0);
         Self { least: point(0), most: Vec2::INFINITY, scale: point(2), size }
     }
 
@@ -54,9 +63,25 @@ impl Lattice {
         (self.size.x * self.size.y) as usize
     }
 
-    /// The cell of a sample in the box, row by row: twin of `cellOf` in `glsl/common/trim.glsl`.
+    /// The sample of the lattice that is nearest to `uv`.
+    pub(super) fn clamp(&self, uv: Vec2) -> Vec2 {
+        let [least, most] = self.sample_box();
+        uv.clamp(least, most)
+    }
+
+    /// Least and greatest samples.
+    pub(crate) fn sample_box(&self) -> [Vec2; 2] {
+        [self.least, Vec2::new(self.most.x.next_down(), self.most.y.next_down())]
+    }
+
+    /// Column and row of a sample in the box: twin of `cellOf` in `glsl/common/trim.glsl`.
+    pub(super) fn cell(&self, uv: Vec2) -> UVec2 {
+        ((uv - self.least) * self.scale).as_uvec2()
+    }
+
+    /// The number of a sample's cell, row by row.
     pub(super) fn cell_of(&self, uv: Vec2) -> usize {
-        let cell = ((uv - self.least) * self.scale).as_uvec2().min(self.size - 1);
+        let cell = self.cell(uv);
         (cell.y * self.size.x + cell.x) as usize
     }
 

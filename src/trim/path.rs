@@ -229,8 +229,10 @@ mod tests {
 
     #[test]
     fn absolute_and_relative_commands_make_the_same_loops() {
-        let absolute = "M.2 .2 L.4 .2 H.6 V.4 Q.7 .5 .6 .6 T.5 .8 C.4 .9 .3 .9 .3 .7 S.2 .5 .2 .4 Z";
-        let relative = "m.2 .2 l.2 0 h.2 v.2 q.1 .1 0 .2 t-.1 .2 c-.1 .1-.2 .1-.2-.1 s-.1-.2-.1-.3 z";
+        let absolute =
+            "M.2 .2 L.4 .2 H.6 V.4 Q.7 .5 .6 .6 T.5 .8 C.4 .9 .3 .9 .3 .7 S.2 .5 .2 .4 Z";
+        let relative =
+            "m.2 .2 l.2 0 h.2 v.2 q.1 .1 0 .2 t-.1 .2 c-.1 .1-.2 .1-.2-.1 s-.1-.2-.1-.3 z";
         let [a, b] = [absolute, relative].map(points);
         assert_eq!(a.len(), 1);
         assert_eq!(a[0].iter().map(Vec::len).collect::<Vec<_>>(), [2, 2, 2, 3, 3, 4, 4, 2]);
@@ -251,7 +253,8 @@ mod tests {
 
     #[test]
     fn several_subpaths_are_several_loops_and_z_returns_to_the_start() {
-        let loops = points("M0 0 L1 0 L1 1 Z l.5 0 0 .5 z m.1 .1 h.1 v.1 z M.2 .2L.3 .2L.3 .3L.2 .2");
+        let loops =
+            points("M0 0 L1 0 L1 1 Z l.5 0 0 .5 z m.1 .1 h.1 v.1 z M.2 .2L.3 .2L.3 .3L.2 .2");
         assert_eq!(loops.iter().map(Vec::len).collect::<Vec<_>>(), [3, 3, 3, 3]);
         assert_eq!(loops[1][0][0], DVec2::ZERO);
         assert_eq!(loops[2][0][0], dvec2(0.1, 0.1));
@@ -282,9 +285,10 @@ mod tests {
             ("L0 0", &["path", "SVG path data"]),
             ("M0 0 L1 0 L1 1", &["loop 0", "segment 1", "gap"]),
             ("M0 0 L1 0 L1 1 Z M0 0 Z", &["loop 1", "empty"]),
-            ("M0 0 L1e999 0 Z", &["loop 0", "segment 0", "finite"]),
-            ("M0 0 A1e999 1 0 0 1 1 1 Z", &["loop 0", "radii of the arc in segment 0", "finite"]),
-            ("M0 0 L1 0 Z M0 0 A1 1 1e999 0 1 1 1 Z", &["loop 1", "rotation of the arc"]),
+            ("M0 0 L1e999 0 Z", &["path", "position 7"]),
+            ("M0 0 L1e16 0 Z", &["loop 0", "segment 0", "finite"]),
+            ("M0 0 A1e16 1 0 0 1 1 1 Z", &["loop 0", "radii of the arc in segment 0", "finite"]),
+            ("M0 0 L1 0 Z M0 0 A1 1 1e18 0 1 1 1 Z", &["loop 1", "rotation of the arc"]),
         ] {
             let text = TrimLoop::from_svg_path(data).unwrap_err().to_string();
             assert!(words.iter().all(|word| text.contains(word)), "{data}: {text}");

@@ -16,27 +16,33 @@ const HALVINGS: u32 = 24;
 /// Parameters closer than this to an end of a curve are the end.
 const END: f64 = 1e-9;
 
-/// A cubic curve that is monotone in u and in v, inside the domain, in `f64`.
+/// A cubic curve that is monotone in u and in v, turns one way, and lies in the domain; in `f64`.
 pub(super) type Curve = [DVec2; 4];
 
-/// A monotone curve as the shader has it: its ends first, the lower one before the upper one, then
-/// the inner control points. All of it lies in the box of the ends.
+/// A monotone curve without inflection as the shader has it: the lower and the higher end, and the
+/// first and the last leg of its control polygon, from the lower end upwards.
+///
+/// Legs are small numbers with small rounding errors, and their directions are right even where they
+/// are short.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
     pub(super) low: Vec2,
     pub(super) high: Vec2,
-    inner: [Vec2; 2],
+    legs: [Vec2; 2],
 }
 
 impl Piece {
     /// Rounds a curve to `f32`. None if nothing is left of it but a point.
     pub(super) fn new(curve: &Curve) -> Option<Self> {
-        let [mut low, mut first, mut second, mut high] = curve.map(rounded);
-        if low.y > high.y {
-            std::mem::swap(&mut low, &mut high);
-            std::mem::swap(&mut first, &mut second);
+        let [mut a, mut b, mut c, mut d] = *curve;
+        if a.y > d.y {
+            (a, b, c, d) = (d, c, b, a);
         }
-        (low != high).then_some(Self { low, high, inner: [first, second] })
+        let (low, high) = (rounded(a), rounded(d));
+        let chord = high - low;
+        let (least, most) = (chord.min(Vec2::ZERO), chord.max(Vec2::ZERO));
+        let legs = [rounded(b - a), rounded(d - c)].map(|leg| leg.clamp(least, most));
+        (low != high).then_some(Self { low, high, legs })
     }
 
     /// Whether it is level: no ray along u crosses it.
@@ -51,21 +57,29 @@ impl Piece {
 
     /// The words of the shader's buffer.
     pub(super) fn words(&self) -> [u32; 8] {
-        let [a, b] = self.inner;
-        [self.low.x, self.low.y, self.high.x, self.high.y, a.x, a.y, b.x, b.y].map(f32::to_bits)
+        let [first, last] = self.legs;
+        let points = [self.low, self.high, first, last].map(|point| point.to_array());
+        let [[a, b], [c, d], [e, f], [g, h]] = points;
+        [a, b, c, d, e, f, g, h].map(f32::to_bits)
     }
 
     /// The piece of such words.
     pub(super) fn from_words(words: &[u32]) -> Self {
         let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
-        Self { low: point(0), high: point(2), inner: [point(4), point(6)] }
+        Self { low: point(0), high: point(2), legs: [point(4), point(6)] }
     }
 
-    /// Whether the ray from `uv` towards greater u crosses the piece: twin of `crosses` in
-    /// `glsl/common/trim.glsl`, bit for bit.
+    /// Whether it bulges to the left of its chord.
+    pub(super) fn bulges_left(&self) -> bool {
+        let [first, last] = self.legs;
+        cross(self.high - self.low, first - last) > 0.0
+    }
+
+    /// Whether the ray from `uv` towards greater u crosses the piece: twin of what `insideLoops` in
+    /// `glsl/common/trim.glsl` does with one piece, bit for bit.
     ///
-    /// The half-open test of the row decides topology on stored bits alone. Where `uv` lies in the
-    /// piece's box, the box is halved until one side holds `uv` no more.
+    /// The half-open test of the row and the box decide topology on stored bits alone. In the box
+    /// the curve lies on one side of its chord.
     pub(super) fn crosses(&self, uv: Vec2) -> bool {
         if (self.low.y <= uv.y) == (self.high.y <= uv.y) {
             return false;
@@ -74,23 +88,47 @@ impl Piece {
         if uv.x < least || uv.x >= most {
             return uv.x < least;
         }
-        let (mut a, mut d) = (self.low, self.high);
-        let [mut b, mut c] = self.inner;
+        let left = self.bulges_left();
+        let turn = if left { 1.0 } else { -1.0 };
+        if turn * cross(self.high - self.low, uv - self.low) < 0.0 {
+            return !left;
+        }
+        self.left_of_curve(left, uv - self.low)
+    }
+
+    /// Whether a point in the box, seen from the lower end, lies left of the curve: it is halved
+    /// until one side of it holds the point.
+    fn left_of_curve(&self, left: bool, point: Vec2) -> bool {
+        let [first, last] = self.legs;
+        let (mut a, mut b, mut d) = (Vec2::ZERO, first, self.high - self.low);
+        let mut c = d - last;
+        let turn = if left { 1.0 } else { -1.0 };
         for _ in 0..HALVINGS {
-            let (ab, bc, cd) = ((a + b) * 0.5, (b + c) * 0.5, (c + d) * 0.5);
-            let (abc, bcd) = ((ab + bc) * 0.5, (bc + cd) * 0.5);
-            let middle = (abc + bcd) * 0.5;
-            if middle.y <= uv.y {
-                (a, b, c) = (middle, bcd, cd);
+            // De Casteljau's averages without their factors ½: those are exact, so that it makes no
+            // difference when they are applied.
+            let (ab, bc, cd) = (a + b, b + c, c + d);
+            let (abc, bcd) = (ab + bc, bc + cd);
+            let middle = (abc + bcd) * 0.125;
+            if middle.y <= point.y {
+                (a, b, c) = (middle, bcd * 0.25, cd * 0.5);
             } else {
-                (b, c, d) = (ab, abc, middle);
+                (b, c, d) = (ab * 0.5, abc * 0.25, middle);
             }
-            if uv.x < a.x.min(d.x) || uv.x >= a.x.max(d.x) {
-                return uv.x < a.x.min(d.x);
+            // The curve lies between its chords and the tangent in the middle.
+            if turn * cross(d - a, point - a) < 0.0 {
+                return !left;
+            }
+            if turn * cross(bcd - abc, point - middle) > 0.0 {
+                return left;
             }
         }
         false
     }
+}
+
+/// Above 0 if `b` points to the left of `a`.
+fn cross(a: Vec2, b: Vec2) -> f32 {
+    a.x * b.y - a.y * b.x
 }
 
 /// To `f32`; nothing as small as what drivers may take for zero, and no negative zero.
@@ -106,7 +144,9 @@ pub(super) fn monotone_curves(loops: &[TrimLoop]) -> Vec<Curve> {
     let segments = loops.iter().flat_map(TrimLoop::segments);
     let mut curves = Vec::with_capacity(segments.clone().count() * 2);
     for segment in segments {
-        split_turns(&as_cubic(segment), 0, &mut |curve| split_borders(curve, 0, &mut curves));
+        split_turns(&as_cubic(segment), 0, &mut |curve| {
+            split_inflections(curve, 0, &mut |curve| split_borders(curve, 0, &mut curves));
+        });
     }
     curves
 }
@@ -149,6 +189,24 @@ fn split_turns(curve: &Curve, depth: u32, take: &mut impl FnMut(&Curve)) {
     let [a, b, c, d] = *curve;
     let (least, most) = (a.min(d), a.max(d));
     take(&[a, b.clamp(least, most), c.clamp(least, most), d]);
+}
+
+/// Cuts a monotone curve where it changes from turning left to turning right.
+fn split_inflections(curve: &Curve, depth: u32, take: &mut impl FnMut(&Curve)) {
+    let [first, middle, last] = [curve[1] - curve[0], curve[2] - curve[1], curve[3] - curve[2]];
+    // Bernstein coefficients of the derivative crossed with the second derivative.
+    let [a, b, c] = [first.perp_dot(middle), 0.5 * first.perp_dot(last), middle.perp_dot(last)];
+    let inside = |t: &f64| (END..=1.0 - END).contains(t);
+    let turns = solve_quadratic(a, 2.0 * (b - a), a - 2.0 * b + c);
+    match turns.into_iter().find(inside) {
+        // A straight line has no turns that count.
+        Some(t) if depth < 2 && [a, b, c] != [0.0; 3] => {
+            for part in split(curve, t) {
+                split_inflections(&part, depth + 1, take);
+            }
+        }
+        _ => take(curve),
+    }
 }
 
 /// Where a coordinate must be cut to have monotone control points, and whether it turns there.

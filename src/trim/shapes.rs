@@ -3,17 +3,15 @@
 
 use glam::{DVec2, UVec2, Vec2};
 
-use super::grid::LIST;
+use super::grid::{LIST, push_list};
 use super::lattice::Lattice;
 use super::{Circle, Ellipse, Interval, Trims};
 
 /// Words of a shape in the shader's buffer.
 pub(super) const SHAPE_WORDS: usize = 8;
 
-/// Up to so many shapes are all tested for every sample in their common box.
-const FEW: usize = 4;
-/// Cells along a side for more of them.
-const SIDES: std::ops::RangeInclusive<u32> = 8..=256;
+/// Cells along a side.
+const SIDES: std::ops::RangeInclusive<u32> = 18..=256;
 /// Cells that all shapes together may touch: so many each, and at least `MOST_CELLS`.
 const MOST_CELLS_PER_SHAPE: f64 = 16.0;
 const MOST_CELLS: f64 = 65_536.0;
@@ -75,10 +73,7 @@ impl Shape {
                 let linear = 2.0 * off * square;
                 let constant = (off * off * square).element_sum() - 1.0;
                 let [square, linear] = [square.as_vec2(), linear.as_vec2()];
-                [
-                    from.x, from.y, square.x, square.y, linear.x, linear.y, constant as f32,
-                    0.0,
-                ]
+                [from.x, from.y, square.x, square.y, linear.x, linear.y, constant as f32, 0.0]
             }
             Self::Interval(Interval { u, v }) => {
                 let [u, v] = [u.as_vec2(), v.as_vec2()];
@@ -100,7 +95,7 @@ impl Shape {
 /// Whether the shape of a reference cuts `uv`: twin of `cutByShape` in `glsl/common/trim.glsl`, bit
 /// for bit.
 pub(super) fn cuts(words: &[u32], reference: u32, uv: Vec2) -> bool {
-    let at = (reference >> 2) as usize;
+    let at = (reference >> 3) as usize * 4;
     let word = |i: usize| f32::from_bits(words[at + i]);
     let point = |i: usize| Vec2::new(word(i), word(i + 1));
     if reference & 3 == 1 {
@@ -112,29 +107,35 @@ pub(super) fn cuts(words: &[u32], reference: u32, uv: Vec2) -> bool {
     terms.x + terms.y + word(6) <= 0.0
 }
 
-/// Builds the grid of the shapes that are switched on, behind what is in `words`. The second value
-/// tells where its cells begin.
-pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> (Lattice, usize) {
+/// Builds the grid of the shapes that are switched on, behind what is in `words`, which fills whole
+/// texels of four. The second value tells where its cells begin; None if
+/// they cut nothing.
+///
+/// A cell is 0 (nothing in it is cut), 1 (all of it is), or offset · 8 + 2: a list of references there.
+/// A reference is texel · 8 + kind, plus 4 for the last of a list.
+pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(Lattice, usize)> {
     let shapes = shapes_of(trims);
     let first = words.len();
     for shape in &shapes {
         words.extend(shape.words());
     }
-    let [least, most] = shapes.iter().map(Shape::extent).fold(
-        [DVec2::INFINITY, DVec2::NEG_INFINITY],
-        |[least, most], [low, high]| [least.min(low), most.max(high)],
-    );
+    let [least, most] = shapes
+        .iter()
+        .map(Shape::extent)
+        .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[least, most], [low, high]| {
+            [least.min(low), most.max(high)]
+        });
     let least = (least - MARGIN).max(DVec2::ZERO);
     let most = (most + MARGIN).min(DVec2::ONE);
     if least.cmpge(most).any() {
-        return (Lattice::EMPTY, words.len());
+        return None;
     }
     let side = side_for(&shapes, most - least);
-    let lattice = Lattice::new(least.as_vec2(), most.as_vec2(), side);
+    let lattice = Lattice::with_rim(least.as_vec2(), most.as_vec2(), side);
     let cells = words.len();
     words.resize(cells + lattice.count(), 0);
     fill(&shapes, &lattice, first, cells, words);
-    (lattice, cells)
+    Some((lattice, cells))
 }
 
 fn shapes_of(trims: &Trims) -> Vec<Shape> {
@@ -142,10 +143,7 @@ fn shapes_of(trims: &Trims) -> Vec<Shape> {
     let intervals = trims.intervals.iter().filter(|_| trims.intervals_on);
     let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
     circles
-        .map(|Circle { center, radius }| Ellipse {
-            center: *center,
-            radii: DVec2::splat(*radius),
-        })
+        .map(|Circle { center, radius }| Ellipse { center: *center, radii: DVec2::splat(*radius) })
         .chain(ellipses.copied())
         .filter(|ellipse| ellipse.radii.min_element() > THINNEST)
         .map(Shape::Ellipse)
@@ -154,9 +152,6 @@ fn shapes_of(trims: &Trims) -> Vec<Shape> {
 }
 
 fn side_for(shapes: &[Shape], extent: DVec2) -> u32 {
-    if shapes.len() <= FEW {
-        return 1;
-    }
     let count = shapes.len() as f64;
     let cells_at = |side: f64| -> f64 {
         let cells = |shape: &Shape| {
@@ -167,7 +162,7 @@ fn side_for(shapes: &[Shape], extent: DVec2) -> u32 {
         shapes.iter().map(cells).sum()
     };
     let mut side = (2.0 * count.sqrt()).clamp((*SIDES.start()).into(), (*SIDES.end()).into());
-    while side > 1.0 && cells_at(side) > MOST_CELLS.max(MOST_CELLS_PER_SHAPE * count) {
+    while side > 4.0 && cells_at(side) > MOST_CELLS.max(MOST_CELLS_PER_SHAPE * count) {
         side *= 0.5;
     }
     side as u32
@@ -179,7 +174,7 @@ fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: 
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); lattice.count()];
     let mut covered = vec![false; lattice.count()];
     for (number, shape) in shapes.iter().enumerate() {
-        let reference = ((first + number * SHAPE_WORDS) as u32) * 4 + shape.kind();
+        let reference = (first + number * SHAPE_WORDS) as u32 / 4 * 8 + shape.kind();
         let [low, high] = shape.extent();
         let touched = |bounds: &[[f32; 2]], low: f64, high: f64| {
             let first = bounds.partition_point(|bounds| f64::from(bounds[1]) + MARGIN < low);
@@ -190,9 +185,8 @@ fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: 
             for column in touched(&columns, low.x, high.x) {
                 let cell = UVec2::new(column as u32, row as u32);
                 let index = (cell.y * lattice.size.x + cell.x) as usize;
-                let corner = |i: usize| {
-                    DVec2::new(f64::from(columns[column][i]), f64::from(rows[row][i]))
-                };
+                let corner =
+                    |i: usize| DVec2::new(f64::from(columns[column][i]), f64::from(rows[row][i]));
                 let box_of_cell = [corner(0) - MARGIN, corner(1) + MARGIN];
                 if shape.covers(box_of_cell) {
                     covered[index] = true;
@@ -209,9 +203,8 @@ fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: 
             0
         } else {
             let at = words.len() as u32;
-            words.push(list.len() as u32 * 2);
-            words.extend(list);
-            at * 4 + LIST
+            push_list(words, list.iter().copied());
+            at * 8 + LIST
         };
     }
 }
