@@ -223,14 +223,14 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// Unit normal Su × Sv, or `None` where the tangents are parallel or vanish (relative to their
-    /// lengths, so that the size of the model does not matter).
+    /// Unit normal Su × Sv, or `None` where the tangents are parallel or one vanishes (relative to the
+    /// longer one, so that the size of the model does not matter, nor what rounding leaves of zero).
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         const PARALLEL: f64 = 1e-12;
         let point = self.at(u, v);
         let cross = point.du.cross(point.dv);
-        let scale = point.du.length() * point.dv.length();
+        let scale = point.du.length_squared().max(point.dv.length_squared());
         (scale > 0.0 && cross.length() > PARALLEL * scale).then(|| cross.normalize())
     }
 }

@@ -18,21 +18,14 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 use crate::bezier::{Patch, homogeneous};
 use crate::camera::Projection;
 use crate::renderer::CONTROL_POINT_PX;
-use crate::tessellation::Parts;
-use crate::{Image, Newton, NewtonTrims, Result, Scene, Surface, TessLevel, Trims};
+use crate::tessellation::{Parts, Split};
+use crate::{
+    Image, Method, Newton, NewtonTrims, RenderSettings, Result, Scene, Surface, TrimGrid, Trims,
+};
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
 pub use thesis::thesis_normal;
-
-/// Whose errors the picture has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Arithmetic {
-    /// The thesis' own: its normals, and its trimming of loops by Newton's method.
-    Thesis,
-    /// None: true normals, exact trims.
-    Exact,
-}
 
 /// What a pixel shows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -82,18 +75,18 @@ pub struct Picture {
 /// Renders a scene.
 ///
 /// # Errors
-/// Loops that the thesis' method cannot cut, if its arithmetic is asked for.
-pub fn render(scene: &Scene, size: UVec2, arithmetic: Arithmetic) -> Result<Picture> {
+/// Loops that the thesis' method cannot cut, if that is asked for.
+pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
     let projection = scene.projection(size.x, size.y);
     let settings = &scene.settings;
     let mut raster = Raster::new(size, settings.background);
     for (number, surface) in scene.surfaces.iter().enumerate() {
-        let view = SurfaceView::new(surface, &projection, settings.newton, arithmetic)?;
+        let view = SurfaceView::new(surface, &projection, settings, method)?;
         let report = view.is_report();
         for (patch_number, patch) in surface.patches().enumerate() {
             let level = settings.level.get() as usize;
             let vertices = view.vertices(&patch, level);
-            for triangle in triangles(settings.level) {
+            for triangle in triangles(view.parts) {
                 let corners = triangle.map(|corner| vertices[corner]);
                 let mut shade = |sample: &Sample| {
                     let vertex = &sample.vertex;
@@ -138,7 +131,7 @@ pub fn render(scene: &Scene, size: UVec2, arithmetic: Arithmetic) -> Result<Pict
     Ok(raster.into_picture(projection.projection))
 }
 
-/// The trims of a surface as one arithmetic decides them.
+/// The trims of a surface as one method decides them.
 #[derive(Debug, Clone)]
 pub struct TrimDecision<'a> {
     trims: &'a Trims,
@@ -147,14 +140,14 @@ pub struct TrimDecision<'a> {
 }
 
 impl<'a> TrimDecision<'a> {
-    /// How an arithmetic decides these trims.
+    /// How a method decides these trims.
     ///
     /// # Errors
-    /// Loops that the thesis' method cannot cut, if its arithmetic is asked for.
-    pub fn new(trims: &'a Trims, newton: Newton, arithmetic: Arithmetic) -> Result<Self> {
-        let newton = match arithmetic {
-            Arithmetic::Thesis => Some((newton, NewtonTrims::of(trims)?)),
-            Arithmetic::Exact => None,
+    /// Loops that the thesis' method cannot cut, if that is asked for.
+    pub fn new(trims: &'a Trims, newton: Newton, method: Method) -> Result<Self> {
+        let newton = match method {
+            Method::Thesis => Some((newton, NewtonTrims::of(trims)?)),
+            Method::Exact => None,
         };
         Ok(Self { trims, newton })
     }
@@ -199,29 +192,36 @@ struct SurfaceView<'a> {
     projection: &'a Projection,
     trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
-    arithmetic: Arithmetic,
+    method: Method,
+    /// Into which a patch is cut.
+    parts: Parts,
 }
 
 impl<'a> SurfaceView<'a> {
     fn new(
         surface: &'a Surface,
         projection: &'a Projection,
-        newton: Newton,
-        arithmetic: Arithmetic,
+        settings: &RenderSettings,
+        method: Method,
     ) -> Result<Self> {
+        let parts = match method {
+            Method::Thesis => Parts::of(settings.level),
+            Method::Exact => Split::new(&TrimGrid::new(&surface.trims), settings.level).parts,
+        };
         Ok(Self {
             surface,
             to_view: projection.view * surface.transform,
             projection,
-            trims: TrimDecision::new(&surface.trims, newton, arithmetic)?,
+            trims: TrimDecision::new(&surface.trims, settings.newton, method)?,
             sampler: Sampler::new(&surface.paint),
-            arithmetic,
+            method,
+            parts,
         })
     }
 
     /// Whether the report's program draws it, as `renderer::programs::Pipeline::of` decides.
     fn is_report(&self) -> bool {
-        self.arithmetic == Arithmetic::Thesis
+        self.method == Method::Thesis
             && self.surface.degree() == crate::Degree::Quartic
             && self.surface.shading == crate::Shading::Unlit
     }
@@ -233,10 +233,10 @@ impl<'a> SurfaceView<'a> {
             .map(|i| {
                 let u = (i % (level + 1)) as f64 / level as f64;
                 let v = (i / (level + 1)) as f64 / level as f64;
-                let normal = match self.arithmetic {
-                    Arithmetic::Thesis => thesis_normal(patch, u, v),
+                let normal = match self.method {
+                    Method::Thesis => thesis_normal(patch, u, v),
                     // The thesis crosses its tangents v first.
-                    Arithmetic::Exact => -patch.normal(u, v).unwrap_or(DVec3::ZERO),
+                    Method::Exact => -true_normal(patch, u, v),
                 };
                 let position = self.to_view.transform_point3(patch.at(u, v).position);
                 let clip = self.projection.projection * position.extend(1.0);
@@ -255,11 +255,18 @@ impl<'a> SurfaceView<'a> {
     }
 }
 
-/// The triangles of a square domain at a level, as indices into rows of `level + 1` vertices.
-fn triangles(level: TessLevel) -> impl Iterator<Item = [usize; 3]> {
-    // A part of a patch has its own diagonals.
-    let part = Parts::of(level).level as usize;
-    let level = level.get() as usize;
+/// The normal; at a pole, where the tangents give none, its limit from the middle of the patch.
+fn true_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
+    const STEP: f64 = 1e-6;
+    let inwards = |t: f64| t + (0.5 - t) * STEP;
+    patch.normal(u, v).or_else(|| patch.normal(inwards(u), inwards(v))).unwrap_or(DVec3::ZERO)
+}
+
+/// The triangles of a square domain, as indices into rows of `level + 1` vertices. Each part of a
+/// patch has its own diagonals.
+fn triangles(parts: Parts) -> impl Iterator<Item = [usize; 3]> {
+    let part = parts.level as usize;
+    let level = part * parts.side as usize;
     let index = move |u: usize, v: usize| v * (level + 1) + u;
     (0..level * level).flat_map(move |cell| {
         let (u, v) = (cell % level, cell / level);
@@ -342,12 +349,13 @@ fn to_bytes(color: DVec4) -> [u8; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TessLevel;
 
     #[test]
     fn triangles_cover_every_cell_once_without_turning() {
         for level in (1..=9).chain([63, 64]) {
             let corner = |i: usize| DVec2::new((i % (level + 1)) as f64, (i / (level + 1)) as f64);
-            let areas: Vec<f64> = triangles(TessLevel::new(level as i64).unwrap())
+            let areas: Vec<f64> = triangles(Parts::of(TessLevel::new(level as i64).unwrap()))
                 .map(|[a, b, c]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)))
                 .collect();
             assert_eq!(areas.len(), 2 * level * level);
@@ -380,7 +388,7 @@ mod tests {
             [[surface.trim]]
             interval = { u = [0.5, 1.0], v = [0.5, 1.0] }";
         let scene = Scene::from_toml(text, std::path::Path::new("square.toml")).unwrap();
-        let picture = render(&scene, UVec2::new(40, 40), Arithmetic::Exact).unwrap();
+        let picture = render(&scene, UVec2::new(40, 40), Method::Exact).unwrap();
         // One unit is 20 pixels: the square covers 10 … 30, its upper right quarter is cut.
         for (x, y, pixel) in picture.image.enumerate_pixels() {
             let covered = (10..30).contains(&x) && (10..30).contains(&y) && !(x >= 20 && y < 20);

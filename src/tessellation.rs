@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles as _};
 
-use crate::TessLevel;
+use crate::{TessLevel, TrimGrid};
 
 /// Vertices that one draw of filled triangles may make. Mesa's software driver numbers the vertices
 /// of a draw with 16 bits (more than 65,535 render garbage without an error) and slows down
@@ -71,6 +71,52 @@ impl Parts {
     /// How many patches one draw of a part takes.
     pub(crate) fn patches_per_draw(self, wireframe: bool) -> usize {
         patches_per_draw(self.level, wireframe)
+    }
+}
+
+/// A patch in parts: those that the trims wholly keep and those that they may cut; those that they
+/// wholly cut are gone.
+#[derive(Debug)]
+pub(crate) struct Split {
+    pub(crate) parts: Parts,
+    /// Least and greatest (u, v).
+    pub(crate) kept: Vec<Vec4>,
+    /// Least and greatest (u, v).
+    pub(crate) trimmed: Vec<Vec4>,
+}
+
+impl Split {
+    /// Splits a patch at a level; into smaller parts only if that leaves less to be trimmed.
+    pub(crate) fn new(grid: &TrimGrid, level: TessLevel) -> Self {
+        // Smaller parts cost vertices: they must leave so much less of the domain to be trimmed.
+        const WORTH_IT: f32 = 0.8;
+        let mut best = Self::into(grid, Parts::of(level));
+        for parts in Parts::smaller(level) {
+            if best.trimmed.is_empty() {
+                break;
+            }
+            let smaller = Self::into(grid, parts);
+            if smaller.trimmed_share() < WORTH_IT * best.trimmed_share() {
+                best = smaller;
+            }
+        }
+        best
+    }
+
+    fn into(grid: &TrimGrid, parts: Parts) -> Self {
+        let (mut kept, mut trimmed) = (Vec::new(), Vec::new());
+        for part in parts.boxes() {
+            match grid.cut_throughout(part.xy(), part.zw()) {
+                Some(true) => {}
+                Some(false) => kept.push(part),
+                None => trimmed.push(part),
+            }
+        }
+        Self { parts, kept, trimmed }
+    }
+
+    fn trimmed_share(&self) -> f32 {
+        self.trimmed.len() as f32 / (self.parts.side * self.parts.side) as f32
     }
 }
 

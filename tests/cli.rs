@@ -262,9 +262,9 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
         ),
         (
             surface(
-                "control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0]]]",
+                "control_points = \"default\"\n[[surface.trim]]\nloop = [[[0, 0], [1, 1]], [[1, 1], [0, 0]]]\n[render]\nmethod = \"thesis\"",
             ),
-            &["line, line", "two quadratics or two cubics"],
+            &[":3:", "line, line", "two quadratics or two cubics"],
         ),
         (
             surface("control_points = \"default\"\n\n[[surface]]\ncontrol_points = \"no\""),
@@ -285,7 +285,7 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
                     )
                 };
                 surface(&format!(
-                    "control_points = \"default\"\n{}{}{}",
+                    "control_points = \"default\"\n{}{}{}\n[render]\nmethod = \"thesis\"",
                     lens(0.4),
                     lens(0.2),
                     lens(0.1)

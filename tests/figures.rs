@@ -19,9 +19,9 @@
 
 mod common;
 
-use freeform_surface::reference::{self, Arithmetic, Picture, Pixel};
+use freeform_surface::reference::{self, Picture, Pixel, TrimDecision};
 use freeform_surface::renderer::programs::Sources;
-use freeform_surface::{Backend, Image, Newton, Paint, Scene};
+use freeform_surface::{Backend, Image, Method, Newton, Paint, Scene};
 use glam::UVec2;
 
 use common::{
@@ -75,7 +75,7 @@ fn check(name: &str, scene: &Scene, picture: &Picture, expected: &Image, actual:
 fn small_figures(backend: Backend) {
     for (name, path) in figures() {
         let scene = load(&path);
-        let picture = reference::render(&scene, SMALL, Arithmetic::Thesis).unwrap();
+        let picture = reference::render(&scene, SMALL, Method::Thesis).unwrap();
         let stored = stored_reference(&name, &picture.image);
         // The stored picture is the reference's; another machine's libm may round otherwise.
         assert_same(&format!("{name}-stored"), &stored, &picture.image, &[], 1);
@@ -102,7 +102,7 @@ fn figures_match_their_stored_references_through_osmesa() {
 fn figures_match_the_reference_at_full_size() {
     for (name, path) in figures() {
         let scene = load(&path);
-        let picture = reference::render(&scene, LARGE, Arithmetic::Thesis).unwrap();
+        let picture = reference::render(&scene, LARGE, Method::Thesis).unwrap();
         let actual = render(&scene, LARGE, backends()[0]);
         check(&format!("{name}-large"), &scene, &picture, &picture.image, &actual);
     }
@@ -132,7 +132,7 @@ fn lines_lie_where_the_reference_draws_them() {
         let path = common::root().join("resources/scenes").join(name).with_extension("toml");
         let scene = load(&path);
         let background = scene.settings.background.map(|c| (c * 255.0).round() as u8);
-        let reference = reference::render(&scene, LARGE, Arithmetic::Thesis).unwrap().image;
+        let reference = reference::render(&scene, LARGE, Method::Thesis).unwrap().image;
         let actual = render(&scene, LARGE, backends()[0]);
         let (expected, actual) = (drawn(&reference, background), drawn(&actual, background));
         assert!(expected.len() > 20_000, "{name}: only {} pixels of lines", expected.len());
@@ -172,7 +172,7 @@ fn lines_have_the_colours_of_the_reference() {
     for name in ["fig21.toml", "fig26.toml"] {
         let mut scene = load(&common::root().join("resources/scenes/thesis").join(name));
         scene.surfaces[0].paint = Paint::Color([0.6, 0.7, 0.8]);
-        let picture = reference::render(&scene, LARGE, Arithmetic::Thesis).unwrap();
+        let picture = reference::render(&scene, LARGE, Method::Thesis).unwrap();
         let actual = render(&scene, LARGE, backends()[0]);
         let background = *picture.image.get_pixel(0, 0);
         let apart: Vec<bool> = std::iter::zip(picture.image.pixels(), actual.pixels())
@@ -194,7 +194,7 @@ fn diagonals_are_those_the_reference_draws() {
         );
         let scene = Scene::from_toml(&text, "diagonals.toml".as_ref()).unwrap();
         let size = UVec2::splat(480);
-        let reference = reference::render(&scene, size, Arithmetic::Thesis).unwrap().image;
+        let reference = reference::render(&scene, size, Method::Thesis).unwrap().image;
         let actual = render(&scene, size, backends()[0]);
         let (expected, actual) =
             (drawn(&reference, [0, 0, 0, 255]), drawn(&actual, [0, 0, 0, 255]));
@@ -209,12 +209,19 @@ fn diagonals_are_those_the_reference_draws() {
 fn the_thesis_misses_the_truth_where_its_model_says() {
     let count = |name: &str| {
         let scene = load(&common::root().join("resources/scenes/thesis").join(name));
-        let thesis = reference::render(&scene, SMALL, Arithmetic::Thesis).unwrap();
-        let truth = reference::render(&scene, SMALL, Arithmetic::Exact).unwrap();
-        let is_drawn = |pixel: &Pixel| matches!(pixel, Pixel::Surface(_));
-        let trims = std::iter::zip(&thesis.pixels, &truth.pixels)
-            .filter(|(a, b)| is_drawn(a) != is_drawn(b))
-            .count();
+        let thesis = reference::render(&scene, SMALL, Method::Thesis).unwrap();
+        let truth = reference::render(&scene, SMALL, Method::Exact).unwrap();
+        let decisions: Vec<TrimDecision<'_>> = (scene.surfaces.iter())
+            .map(|surface| {
+                TrimDecision::new(&surface.trims, scene.settings.newton, Method::Exact).unwrap()
+            })
+            .collect();
+        let is_wrong = |pixel: &&Pixel| match pixel {
+            Pixel::Surface(fragment) => decisions[fragment.surface].cut(fragment.uv),
+            Pixel::Hole(fragment) => !decisions[fragment.surface].cut(fragment.uv),
+            _ => false,
+        };
+        let trims = thesis.pixels.iter().filter(is_wrong).count();
         let light = difference(&truth.image, &thesis.image, &[], 16).unwrap().wrong;
         (trims, light)
     };
@@ -258,7 +265,7 @@ fn edge_misses(scene: &Scene) -> usize {
         let picture = reference::render(scene, LARGE, arithmetic).unwrap();
         picture.pixels.iter().map(|pixel| matches!(pixel, Pixel::Surface(_))).collect()
     };
-    let (thesis, truth) = (is_drawn(Arithmetic::Thesis), is_drawn(Arithmetic::Exact));
+    let (thesis, truth) = (is_drawn(Method::Thesis), is_drawn(Method::Exact));
     let (width, height) = (LARGE.x as usize, LARGE.y as usize);
     (0..width)
         .map(|x| {
@@ -274,14 +281,14 @@ fn edge_misses(scene: &Scene) -> usize {
 fn a_wrong_shader_does_not_pass() {
     let small = |name: &str| {
         let scene = load(&common::root().join("resources/scenes").join(name));
-        let picture = reference::render(&scene, SMALL, Arithmetic::Thesis).unwrap();
+        let picture = reference::render(&scene, SMALL, Method::Thesis).unwrap();
         let left_out = left_out(&scene, &picture);
         (scene, picture, left_out)
     };
     let [thesis, report] = ["thesis/fig15.toml", "report/textured.toml"].map(small);
     for (file, right, wrong) in [
         ("thesis/surface.tese", "t * points[j + 1]", "t * 1.01 * points[j + 1]"),
-        ("thesis/surface.frag", "vec3(0.1)", "vec3(0.15)"),
+        ("common/phong.glsl", "vec3(0.1)", "vec3(0.15)"),
         ("thesis/trim.glsl", "< radius", "< radius + 0.02"),
         ("thesis/surface.tesc", "= tessLevel", "= 2.0"),
         ("report/surface.tese", "power(t, i)", "power(t, i) * (1.0 + 0.02 * float(i))"),

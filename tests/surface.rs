@@ -5,16 +5,17 @@ mod common;
 use std::sync::Arc;
 
 use freeform_surface::gpu::{Framebuffer, Texture};
-use freeform_surface::reference::{self, Arithmetic};
+use freeform_surface::reference;
 use freeform_surface::{
-    Backend, Circle, Degree, Ellipse, Frame, FreeFormSurface, Image, Interval, PreparedScene,
-    RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel, TrimLoop,
+    Backend, Circle, Degree, Ellipse, Frame, FreeFormSurface, Image, Interval, Method,
+    PreparedScene, RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel, TrimLoop,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 
 use common::{BAND_PX, Checked, assert_same, backends, difference, draw, excuse_speckles, render};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
+const METHODS: [Method; 2] = [Method::Thesis, Method::Exact];
 
 /// A context with a target, a renderer, and a frame that sees the default surface from above.
 struct Stage {
@@ -25,7 +26,7 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(backend: Backend) -> Self {
+    fn new(backend: Backend, method: Method) -> Self {
         let context = Checked::new(backend);
         let target = Framebuffer::new(context.gl(), SIZE.x, SIZE.y).unwrap();
         let renderer = Renderer::new(context.gl()).unwrap();
@@ -37,6 +38,7 @@ impl Stage {
         .unwrap();
         let settings = RenderSettings {
             background: [0.0; 4],
+            method,
             level: TessLevel::new(4).unwrap(),
             ..RenderSettings::default()
         };
@@ -81,8 +83,10 @@ fn pillow(half_width: f64, half_height: f64) -> [DVec2; 6] {
 
 #[test]
 fn every_trimming_call_cuts_and_every_switch_brings_back() {
-    for backend in backends() {
-        let mut stage = Stage::new(backend);
+    for (backend, method) in
+        backends().into_iter().flat_map(|backend| METHODS.map(|m| (backend, m)))
+    {
+        let mut stage = Stage::new(backend, method);
         let mut surface = FreeFormSurface::new(&stage.renderer).unwrap();
         let middle = dvec2(0.5, 0.5);
         assert!(stage.shows(&mut surface, middle));
@@ -135,7 +139,11 @@ fn every_trimming_call_cuts_and_every_switch_brings_back() {
 
 #[test]
 fn many_trims_of_every_kind_cut_at_once() {
-    let mut stage = Stage::new(backends()[0]);
+    METHODS.map(many_trims_cut_at_once);
+}
+
+fn many_trims_cut_at_once(method: Method) {
+    let mut stage = Stage::new(backends()[0], method);
     let mut surface = FreeFormSurface::new(&stage.renderer).unwrap();
     surface.set_shading(Shading::Unlit);
     let mut scene = Scene::from_toml(
@@ -154,12 +162,14 @@ fn many_trims_of_every_kind_cut_at_once() {
     }
     let mut compare = |name: &str, surface: &mut FreeFormSurface| {
         scene.surfaces[0].trims = surface.trims().clone();
-        let picture = reference::render(&scene, SIZE, Arithmetic::Thesis).unwrap();
+        let picture = reference::render(&scene, SIZE, method).unwrap();
         let actual = stage.picture(surface);
         let mut left_out = picture.edge_band(BAND_PX);
-        let excused = excuse_speckles(&scene, &picture, &actual, &mut left_out, 2);
-        assert!(excused <= 4, "{name}: {excused} pixels only explained by speckles");
-        assert_same(name, &picture.image, &actual, &left_out, 2);
+        if method == Method::Thesis {
+            let excused = excuse_speckles(&scene, &picture, &actual, &mut left_out, 2);
+            assert!(excused <= 4, "{name}: {excused} pixels only explained by speckles");
+        }
+        assert_same(&format!("{name}-{method:?}"), &picture.image, &actual, &left_out, 2);
     };
     // Without loops nothing speckles, and nothing is excused.
     compare("many-shapes", &mut surface);
@@ -174,7 +184,7 @@ fn many_trims_of_every_kind_cut_at_once() {
 
 #[test]
 fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
-    let mut stage = Stage::new(backends()[0]);
+    let mut stage = Stage::new(backends()[0], Method::Exact);
     let mut surface = FreeFormSurface::new(&stage.renderer).unwrap();
     let corner = dvec2(0.02, 0.02);
     assert!(stage.shows(&mut surface, corner));
@@ -227,9 +237,16 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
         Segment::Line([DVec2::ZERO, DVec2::ONE]),
         Segment::Line([DVec2::ONE, DVec2::ZERO]),
     ]);
-    let trims = surface.trims().clone();
-    assert!(surface.add_trim_loop(line.unwrap()).is_err());
-    assert_eq!(surface.trims(), &trims);
+    let mut with_line = Surface::new(Degree::Cubic, surface.control_points().to_vec()).unwrap();
+    with_line.trims.loops.push(line.unwrap());
+    let mut with_line = FreeFormSurface::from_surface(&stage.renderer, with_line).unwrap();
+    assert!(with_line.render(&mut stage.renderer, &stage.frame).is_ok());
+    let mut frame = stage.frame;
+    frame.settings.method = Method::Thesis;
+    let text = with_line.render(&mut stage.renderer, &frame).unwrap_err().to_string();
+    assert!(text.contains("loop 0") && text.contains("line, line"), "{text}");
+    with_line.clear_trims();
+    assert!(with_line.render(&mut stage.renderer, &frame).is_ok());
     for count in [0, 15, 17, 26] {
         let points = vec![DVec3::ZERO; count];
         let text = FreeFormSurface::with_control_points(&stage.renderer, &points).unwrap_err();
@@ -240,7 +257,7 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
 
 #[test]
 fn the_model_matrix_the_texture_and_25_points_are_used() {
-    let mut stage = Stage::new(backends()[0]);
+    let mut stage = Stage::new(backends()[0], Method::Exact);
     let points: Vec<DVec3> = (0..25)
         .map(|i| dvec3(f64::from(i % 5) / 4.0 - 0.5, 0.0, 0.5 - f64::from(i / 5) / 4.0))
         .collect();
@@ -291,29 +308,33 @@ fn rational_patches_match_the_reference() {
             surface.shading = shading;
             let mut scene = Scene::listing16();
             scene.surfaces = vec![surface];
-            let picture = reference::render(&scene, SIZE, Arithmetic::Thesis).unwrap();
-            let actual = render(&scene, SIZE, backends()[0]);
-            let name = format!("rational-{degree:?}-{shading:?}");
-            assert_same(&name, &picture.image, &actual, &picture.edge_band(1.5), 2);
-            let drawn = picture.image.pixels().filter(|pixel| pixel.0[..3] != [51, 51, 64]).count();
-            assert!(drawn > 2000, "{name}: {drawn}");
+            for method in METHODS {
+                scene.settings.method = method;
+                let picture = reference::render(&scene, SIZE, method).unwrap();
+                let actual = render(&scene, SIZE, backends()[0]);
+                let name = format!("rational-{degree:?}-{shading:?}-{method:?}");
+                assert_same(&name, &picture.image, &actual, &picture.edge_band(1.5), 2);
+                let background = [51, 51, 64];
+                let drawn =
+                    picture.image.pixels().filter(|pixel| pixel.0[..3] != background).count();
+                assert!(drawn > 2000, "{name}: {drawn}");
+            }
         }
     }
 }
 
 #[test]
 fn the_teapot_matches_the_reference() {
-    let scene = common::load(&common::root().join("resources/surfaces/teapot.bpt"));
-    let picture = reference::render(&scene, SIZE, Arithmetic::Thesis).unwrap();
-    for backend in backends() {
-        let actual = render(&scene, SIZE, backend);
-        assert_same(
-            &format!("teapot-{backend}"),
-            &picture.image,
-            &actual,
-            &picture.edge_band(1.5),
-            2,
-        );
+    let mut scene = common::load(&common::root().join("resources/surfaces/teapot.bpt"));
+    for method in METHODS {
+        scene.settings.method = method;
+        let picture = reference::render(&scene, SIZE, method).unwrap();
+        let left_out = picture.edge_band(BAND_PX);
+        for backend in backends() {
+            let actual = render(&scene, SIZE, backend);
+            let name = format!("teapot-{method:?}-{backend}");
+            assert_same(&name, &picture.image, &actual, &left_out, 2);
+        }
     }
 }
 
@@ -330,9 +351,14 @@ fn sixty_four_patches_at_level_64_equal_the_patches_one_by_one() {
             points.push(DVec4::new(place.x - 4.0, height, 4.0 - place.y, 1.0));
         }
     }
+    METHODS.map(|method| sixty_four_patches(&points, method));
+}
+
+fn sixty_four_patches(points: &[DVec4], method: Method) {
     let mut scene = Scene::listing16();
+    scene.settings.method = method;
     scene.settings.level = TessLevel::MAX;
-    scene.surfaces = vec![Surface::new(Degree::Cubic, points.clone()).unwrap()];
+    scene.surfaces = vec![Surface::new(Degree::Cubic, points.to_vec()).unwrap()];
     let together = render(&scene, SIZE, backends()[0]);
 
     // The same camera and clip planes, one surface for each patch.
@@ -349,6 +375,12 @@ fn sixty_four_patches_at_level_64_equal_the_patches_one_by_one() {
     assert_eq!(difference(&together, &apart, &[], 0).unwrap().wrong, 0);
 
     // And neither is rubbish.
-    let picture = reference::render(&scene, SIZE, Arithmetic::Thesis).unwrap();
-    assert_same("64-patches", &picture.image, &together, &picture.edge_band(1.5), 2);
+    let picture = reference::render(&scene, SIZE, method).unwrap();
+    assert_same(
+        &format!("64-patches-{method:?}"),
+        &picture.image,
+        &together,
+        &picture.edge_band(1.5),
+        2,
+    );
 }

@@ -74,7 +74,7 @@ void main()
     if (passNormal == vec3(0.0)) {
         // At a pole, as in the teapot's lid: the normal a little nearer the middle of the patch.
         vec4 near, nearDu, nearDv;
-        evaluate(mix(uv, vec2(0.5), 1.0 / 64.0), near, nearDu, nearDv);
+        evaluate(mix(uv, vec2(0.5), 1.0 / 1024.0), near, nearDu, nearDv);
         passNormal = normal(near, nearDu, nearDv);
     }
     passTessCoord = uv;

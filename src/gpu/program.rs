@@ -244,31 +244,38 @@ fn compile<'a>(
     }
 }
 
-/// Version, defines, then the parts, each under a `#line` that gives it the number of its place.
+/// Line numbers of a part begin at its place times this: drivers give lines in their logs, but not
+/// all of them the number of the source that `#line` can name.
+const LINES_PER_PART: usize = 10_000;
+
+/// Version, defines, then the parts, each under a `#line` that tells its place.
 fn assemble(defines: &[(&str, u32)], parts: &[ShaderPart]) -> String {
     let mut source = String::from("#version 450 core\n");
     for (name, value) in defines {
         let _ = writeln!(source, "#define {name} {value}");
     }
-    for (number, part) in parts.iter().enumerate() {
-        let _ = writeln!(source, "#line 1 {number}");
+    for (place, part) in parts.iter().enumerate() {
+        let _ = writeln!(source, "#line {}", place * LINES_PER_PART + 1);
         source += &part.text;
         source.push('\n');
     }
     source
 }
 
-/// Drivers begin a line of their log with the part's number, as `1:12(5):` or `1(12) :`; put the
-/// file's name there.
+/// Drivers begin a line of their log with a source and a line, as `0:12(5):` or `0(12) :`; put the
+/// file's name and its own line there.
 fn with_file_names(log: &str, parts: &[ShaderPart]) -> String {
     let named = |line: &str| {
-        let digits = line.bytes().take_while(u8::is_ascii_digit).count();
-        let (number, rest) = line.split_at(digits);
-        let part = number.parse::<usize>().ok().and_then(|number| parts.get(number));
-        match part {
-            Some(part) if rest.starts_with([':', '(']) => format!("{}{rest}", part.file),
-            _ => line.to_owned(),
-        }
+        let number = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+        let (source, rest) = line.split_at(number(line));
+        let place = rest.strip_prefix([':', '(']).filter(|_| !source.is_empty());
+        let in_file = place.and_then(|place| {
+            let (digits, message) = place.split_at(number(place));
+            let line: usize = digits.parse().ok()?;
+            let part = parts.get(line / LINES_PER_PART)?;
+            Some(format!("{}{}{}{message}", part.file, &rest[..1], line % LINES_PER_PART))
+        });
+        in_file.unwrap_or_else(|| line.to_owned())
     };
     log.trim().lines().map(named).collect::<Vec<_>>().join("\n")
 }
@@ -290,9 +297,9 @@ mod tests {
             [
                 "#version 450 core",
                 "#define SIDE 4",
-                "#line 1 0",
+                "#line 1",
                 "// a.glsl",
-                "#line 1 1",
+                "#line 10001",
                 "// b.frag"
             ]
         );
@@ -300,10 +307,10 @@ mod tests {
 
     #[test]
     fn logs_of_both_styles_get_file_names() {
-        let log = "1:12(5): error: x\n0(3) : error C0000\nnote 1:2\n7:1(1): y\n";
+        let log = "0:10012(5): error: x\n0(3) : error C0000\nnote 1:2\n0:70001(1): y\n";
         assert_eq!(
             with_file_names(log, &parts()),
-            "b.frag:12(5): error: x\na.glsl(3) : error C0000\nnote 1:2\n7:1(1): y"
+            "b.frag:12(5): error: x\na.glsl(3) : error C0000\nnote 1:2\n0:70001(1): y"
         );
     }
 }

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{IVec2, Vec2, Vec4, Vec4Swizzles as _};
+use glam::{IVec2, Vec2, Vec4};
 
 use crate::gpu::{Buffer, Program, TexelBuffer};
 use crate::renderer::programs::{
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
-use crate::tessellation::Parts;
+use crate::tessellation::Split;
 use crate::trim::Lookup;
 use crate::{Method, Newton, NewtonTrims, Result, TessLevel, TrimGrid, Trims};
 
@@ -165,7 +165,7 @@ impl ExactTrims {
             features,
             words,
             level,
-            parts: PartList::new(gl, &grid, features, level)?,
+            parts: PartList::new(gl, &grid, level)?,
         })
     }
 
@@ -196,54 +196,10 @@ impl ExactTrims {
 }
 
 impl PartList {
-    fn new(
-        gl: &Arc<glow::Context>,
-        grid: &TrimGrid,
-        features: TrimFeatures,
-        level: TessLevel,
-    ) -> Result<Self> {
-        let mut best = Classified::new(grid, Parts::of(level));
-        if features.any() {
-            for parts in Parts::smaller(level) {
-                let smaller = Classified::new(grid, parts);
-                if smaller.trimmed_share() < Classified::WORTH_IT * best.trimmed_share() {
-                    best = smaller;
-                }
-            }
-        }
-        let Classified { parts, mut kept, trimmed } = best;
-        let kept_count = kept.len();
-        kept.extend(&trimmed);
-        let boxes = uploaded(gl, "parts", &kept)?;
-        Ok(Self { level: parts.level, kept: kept_count, trimmed: trimmed.len(), boxes })
-    }
-}
-
-/// The parts of a patch that are wholly kept, and those that the trims may cut; the others are gone.
-struct Classified {
-    parts: Parts,
-    kept: Vec<Vec4>,
-    trimmed: Vec<Vec4>,
-}
-
-impl Classified {
-    /// Smaller parts cost vertices: they must leave so much less of the domain to be trimmed.
-    const WORTH_IT: f32 = 0.8;
-
-    fn new(grid: &TrimGrid, parts: Parts) -> Self {
-        let (mut kept, mut trimmed) = (Vec::new(), Vec::new());
-        for part in parts.boxes() {
-            match grid.cut_throughout(part.xy(), part.zw()) {
-                Some(true) => {}
-                Some(false) => kept.push(part),
-                None => trimmed.push(part),
-            }
-        }
-        Self { parts, kept, trimmed }
-    }
-
-    fn trimmed_share(&self) -> f32 {
-        self.trimmed.len() as f32 / (self.parts.side * self.parts.side) as f32
+    fn new(gl: &Arc<glow::Context>, grid: &TrimGrid, level: TessLevel) -> Result<Self> {
+        let Split { parts, kept, trimmed } = Split::new(grid, level);
+        let boxes = uploaded(gl, "parts", &[kept.as_slice(), &trimmed].concat())?;
+        Ok(Self { level: parts.level, kept: kept.len(), trimmed: trimmed.len(), boxes })
     }
 }
 

@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 
 use freeform_surface::gpu::Framebuffer;
-use freeform_surface::reference::{Arithmetic, Picture, Pixel, TrimDecision};
+use freeform_surface::reference::{Picture, Pixel, TrimDecision};
 use freeform_surface::renderer::programs::Sources;
-use freeform_surface::{Backend, Frame, Headless, Image, PreparedScene, Renderer, Scene};
+use freeform_surface::{Backend, Frame, Headless, Image, Method, PreparedScene, Renderer, Scene};
 use glam::UVec2;
 
 /// The root of the project.
@@ -218,7 +218,7 @@ pub fn excuse_speckles(
         .surfaces
         .iter()
         .map(|surface| {
-            TrimDecision::new(&surface.trims, scene.settings.newton, Arithmetic::Thesis).unwrap()
+            TrimDecision::new(&surface.trims, scene.settings.newton, Method::Thesis).unwrap()
         })
         .collect();
     let mut excused = 0;
