@@ -89,5 +89,5 @@ pub use scene::{
 pub use surface::FreeFormSurface;
 pub use trim::{
     Circle, Ellipse, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop, Trims,
-    inside_loops,
+    inside_loops, ray_crosses_odd,
 };

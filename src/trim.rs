@@ -16,7 +16,7 @@ use glam::DVec2;
 
 pub(crate) use exact::Lookup;
 pub use exact::TrimGrid;
-pub use inside::inside_loops;
+pub use inside::{inside_loops, ray_crosses_odd};
 pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};
 

@@ -21,8 +21,10 @@ pub fn inside_loops(loops: &[TrimLoop], uv: DVec2) -> bool {
         .fold(false, |inside, segment| inside ^ ray_crosses_odd(segment, uv))
 }
 
-/// Parity of the crossings of one curve with the ray from `uv` towards greater u.
-fn ray_crosses_odd(segment: &Segment, uv: DVec2) -> bool {
+/// Whether the ray from `uv` towards greater u crosses a curve an odd number of times: what
+/// [`inside_loops`] adds up. Only curves whose control points have v on both sides of `uv`'s count.
+#[must_use]
+pub fn ray_crosses_odd(segment: &Segment, uv: DVec2) -> bool {
     match *segment {
         Segment::Line(points) => crosses_odd(points, uv),
         Segment::Quadratic(points) => crosses_odd(points, uv),

@@ -1,6 +1,8 @@
 //! What the tests share: pictures from the GPU, and comparisons that say what differs.
 #![allow(dead_code, unreachable_pub, reason = "every test file is a crate that uses a part of it")]
 
+pub mod oracle;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};

@@ -1,0 +1,82 @@
+//! The exact decision at many samples: the `f64` oracle, row by row, so that a row is asked only of
+//! the curves that it meets.
+
+use freeform_surface::{Keep, Segment, TrimGrid, Trims, ray_crosses_odd};
+use glam::{DVec2, Vec2, dvec2};
+
+/// How far from a curve a sample may be decided either way, in the unit of the domain.
+pub const EITHER_WAY: f64 = 2e-7;
+
+/// The curves that one row of samples meets.
+pub struct Row<'a> {
+    trims: &'a Trims,
+    v: f64,
+    segments: Vec<&'a Segment>,
+}
+
+impl<'a> Row<'a> {
+    pub fn new(trims: &'a Trims, v: f64) -> Self {
+        let meets = |segment: &&Segment| {
+            let points = segment.points();
+            points.iter().any(|p| p.y <= v) && points.iter().any(|p| p.y >= v)
+        };
+        let segments = trims.loops.iter().flat_map(|trim_loop| trim_loop.segments());
+        Self { trims, v, segments: segments.filter(meets).collect() }
+    }
+
+    /// Whether the sample at `u` is cut.
+    pub fn cut(&self, u: f64) -> bool {
+        let uv = dvec2(u, self.v);
+        let odd = |inside: bool, segment: &&Segment| inside ^ ray_crosses_odd(segment, uv);
+        let loops = self.trims.loops_on && !self.trims.loops.is_empty();
+        self.trims.shapes_cut(uv)
+            || loops && self.segments.iter().fold(false, odd) != (self.trims.keep == Keep::Inside)
+    }
+}
+
+/// Whether the decision changes within `radius` of a sample.
+pub fn changes_within(trims: &Trims, uv: DVec2, radius: f64) -> bool {
+    let here = Row::new(trims, uv.y).cut(uv.x);
+    (0..32).map(|i| f64::from(i) * std::f64::consts::TAU / 32.0).any(|angle| {
+        [1.0, 0.5, 0.2].into_iter().any(|part| {
+            let other = uv + DVec2::from_angle(angle) * (radius * part);
+            Row::new(trims, other.y).cut(other.x) != here
+        })
+    })
+}
+
+/// Counts the samples, row by row, that are decided wrongly further than [`EITHER_WAY`] from a curve;
+/// `decided` has the samples of one row after the other, of rows `v`s and columns `u`s.
+pub fn count_wrong(trims: &Trims, us: &[f64], vs: &[f64], decided: &[bool]) -> usize {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let band = vs.len().div_ceil(threads);
+    std::thread::scope(|scope| {
+        let bands: Vec<_> = vs
+            .chunks(band)
+            .zip(decided.chunks(band * us.len()))
+            .map(|(vs, decided)| scope.spawn(move || wrong_in_band(trims, us, vs, decided)))
+            .collect();
+        bands.into_iter().map(|band| band.join().expect("a band of rows")).sum()
+    })
+}
+
+fn wrong_in_band(trims: &Trims, us: &[f64], vs: &[f64], decided: &[bool]) -> usize {
+    let mut wrong = 0;
+    for (v, decided) in vs.iter().zip(decided.chunks(us.len())) {
+        let row = Row::new(trims, *v);
+        for (u, decided) in us.iter().zip(decided) {
+            if row.cut(*u) != *decided && !changes_within(trims, dvec2(*u, *v), EITHER_WAY) {
+                wrong += 1;
+            }
+        }
+    }
+    wrong
+}
+
+/// Wrong decisions of the compiled trims on the CPU.
+pub fn count_wrong_of_grid(trims: &Trims, grid: &TrimGrid, us: &[f32], vs: &[f32]) -> usize {
+    let decided: Vec<bool> =
+        vs.iter().flat_map(|v| us.iter().map(|u| grid.cut(Vec2::new(*u, *v)))).collect();
+    let [us, vs] = [us, vs].map(|values| values.iter().map(|x| f64::from(*x)).collect::<Vec<_>>());
+    count_wrong(trims, &us, &vs, &decided)
+}

@@ -1,0 +1,141 @@
+//! A still scene costs nothing but its draw calls: nothing is built, uploaded or allocated again. One
+//! test alone in its process, because it counts what the whole process allocates.
+#![allow(unsafe_code, reason = "allocations and OpenGL's uploads are counted on their way")]
+
+mod common;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::ffi::{CString, c_void};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
+
+use freeform_surface::gpu::Framebuffer;
+use freeform_surface::{
+    Frame, PreparedScene, Renderer, Scene, Segment, TessLevel, TrimGrid, TrimLoop,
+};
+use glam::{DMat4, DVec2, dvec2, dvec3};
+
+use common::{Checked, backends};
+
+static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
+
+/// Counts what Rust allocates; the driver has its own allocator.
+struct Counting;
+
+// SAFETY: every call is handed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Relaxed);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+static UPLOADS: AtomicUsize = AtomicUsize::new(0);
+static BUFFER_DATA: AtomicPtr<c_void> = AtomicPtr::new(std::ptr::null_mut());
+static BUFFER_SUB_DATA: AtomicPtr<c_void> = AtomicPtr::new(std::ptr::null_mut());
+
+type BufferData = unsafe extern "C" fn(u32, isize, *const c_void, u32);
+type BufferSubData = unsafe extern "C" fn(u32, isize, isize, *const c_void);
+
+unsafe extern "C" fn buffer_data(buffer: u32, size: isize, data: *const c_void, usage: u32) {
+    UPLOADS.fetch_add(1, Relaxed);
+    // SAFETY: the address is that of the driver's function of this type.
+    unsafe {
+        std::mem::transmute::<*mut c_void, BufferData>(BUFFER_DATA.load(Relaxed))(
+            buffer, size, data, usage,
+        );
+    }
+}
+
+unsafe extern "C" fn buffer_sub_data(buffer: u32, at: isize, size: isize, data: *const c_void) {
+    UPLOADS.fetch_add(1, Relaxed);
+    // SAFETY: the address is that of the driver's function of this type.
+    unsafe {
+        std::mem::transmute::<*mut c_void, BufferSubData>(BUFFER_SUB_DATA.load(Relaxed))(
+            buffer, at, size, data,
+        );
+    }
+}
+
+/// The context's functions, with those in between that count uploads.
+fn counted(context: &Checked) -> Arc<glow::Context> {
+    let find = |name: &str| {
+        let name = CString::new(name).unwrap();
+        let address = context.proc_address(&name).cast_mut();
+        match name.to_str() {
+            Ok("glNamedBufferData") => {
+                BUFFER_DATA.store(address, Relaxed);
+                buffer_data as *const c_void
+            }
+            Ok("glNamedBufferSubData") => {
+                BUFFER_SUB_DATA.store(address, Relaxed);
+                buffer_sub_data as *const c_void
+            }
+            _ => address.cast_const(),
+        }
+    };
+    // SAFETY: the context is current, and so are its functions.
+    Arc::new(unsafe { glow::Context::from_loader_function(find) })
+}
+
+/// A loop of four cubics.
+fn hole(center: DVec2, radius: f64) -> TrimLoop {
+    let corners = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)].map(|(x, y)| dvec2(x, y));
+    let quarter = |i: usize| {
+        let (from, to) = (corners[i], corners[(i + 1) % 4]);
+        let points = [from, from + 0.55 * to, to + 0.55 * from, to];
+        Segment::Cubic(points.map(|point| center + radius * point))
+    };
+    TrimLoop::new((0..4).map(quarter).collect()).unwrap()
+}
+
+#[test]
+fn a_still_scene_of_a_thousand_trimmed_surfaces_builds_uploads_and_allocates_nothing() {
+    let context = Checked::new(backends()[0]);
+    let gl = counted(&context);
+    let mut scene = Scene::listing16();
+    scene.settings.level = TessLevel::new(4).unwrap();
+    let surface = scene.surfaces.remove(0);
+    for i in 0..1000 {
+        let mut surface = surface.clone();
+        let place = dvec3(f64::from(i % 40), 0.0, -f64::from(i / 40));
+        surface.transform = DMat4::from_translation(place);
+        let off = 0.0001 * f64::from(i);
+        for center in [dvec2(0.3 + off, 0.3), dvec2(0.6, 0.6 + off)] {
+            surface.trims.add_loop(hole(center, 0.1)).unwrap();
+        }
+        scene.surfaces.push(surface);
+    }
+    let target = Framebuffer::new(&gl, 64, 64).unwrap();
+    let mut renderer = Renderer::new(&gl).unwrap();
+    let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
+    let frame = Frame { projection: scene.projection(64, 64), settings: scene.settings };
+    target.bind();
+    let mut draw = |prepared: &mut PreparedScene| {
+        let before = [&ALLOCATIONS, &UPLOADS].map(|count| count.load(Relaxed));
+        prepared.draw(&mut renderer, &frame).unwrap();
+        [ALLOCATIONS.load(Relaxed) - before[0], UPLOADS.load(Relaxed) - before[1]]
+    };
+    let [allocations, uploads] = draw(&mut prepared);
+    // The grid and the parts of each surface.
+    assert!(allocations > 10_000 && uploads == 2000, "{allocations} {uploads}");
+    for _ in 0..3 {
+        assert_eq!(draw(&mut prepared), [0, 0]);
+    }
+    // One change is one surface's work.
+    let changed = &mut prepared.surfaces_mut()[500];
+    changed.add_trim_loop(hole(dvec2(0.5, 0.2), 0.05)).unwrap();
+    let [_, uploads] = draw(&mut prepared);
+    assert_eq!(uploads, 2);
+    assert_eq!(draw(&mut prepared), [0, 0]);
+    assert!(TrimGrid::new(prepared.surfaces_mut()[500].trims()).pieces() >= 12);
+}
