@@ -27,7 +27,7 @@ struct Scene {
     about: &'static str,
     place: DVec3,
     camera: [DVec3; 2],
-    background: [f64; 3],
+    background: [f64; 4],
     surfaces: Vec<Surface>,
 }
 
@@ -44,22 +44,19 @@ struct Surface {
 impl Scene {
     fn text(&self) -> String {
         let [eye, target] = self.camera.map(|point| list((self.place + point).extend(1.0)));
-        let [r, g, b] = self.background;
         let mut text = format!(
-            "# {}\n# Made by examples/make_gallery.rs.\n\n[camera]\neye = {eye}\n\
-             target = {target}\nfov_y_degrees = 30.0\n\n[render]\nmethod = \"exact\"\nlevel = 32\nsamples = 4\n\
-             background = [{r:?}, {g:?}, {b:?}, 1.0]\n",
-            self.about,
+            "# {}\n# Made by examples/make_gallery.rs.\n\n\
+             [camera]\neye = {eye}\ntarget = {target}\nfov_y_degrees = 30.0\n\n\
+             [render]\nmethod = \"exact\"\nlevel = 32\nsamples = 4\nbackground = {:?}\n",
+            self.about, self.background,
         );
         for Surface { points, color, shading, keep, path } in &self.surfaces {
-            let rows = points.chunks(4).map(|row| {
-                let row: Vec<String> = row.iter().map(|point| list(*point)).collect();
-                format!("    {},\n", row.join(", "))
-            });
+            let points = points.map(list);
+            let rows = points.chunks(4).map(|row| format!("    {},\n", row.join(", ")));
             text += &format!(
                 "\n[[surface]]\ncontrol_points = [\n{}]\ntranslate = {}\ncolor = {color:?}\n\
-                 shading = \"{shading}\"\nkeep = \"{keep}\"\n\n[[surface.trim]]\npath = \"\"\"\n\
-                 {path}\"\"\"\n",
+                 shading = \"{shading}\"\nkeep = \"{keep}\"\n\n\
+                 [[surface.trim]]\npath = \"\"\"\n{path}\"\"\"\n",
                 rows.collect::<String>(),
                 list(self.place.extend(1.0)),
             );
@@ -201,7 +198,7 @@ fn lettering() -> Result<Scene, freeform_surface::Error> {
         about: "A waved sheet cut by lettering: lines, quadratics, cubics, islands in the letters.",
         place,
         camera: [dvec3(0.1, 3.9, 1.9), dvec3(0.0, 0.0, 0.0)],
-        background: [0.95, 0.92, 0.86],
+        background: [0.95, 0.92, 0.86, 1.0],
         surfaces: vec![waved.shadow(place, -0.15, [0.86, 0.82, 0.75]), waved],
     })
 }
@@ -264,7 +261,7 @@ fn gear() -> Scene {
         about: "A dome whose border is a gear: lines and arcs, with holes inside the border.",
         place,
         camera: [dvec3(0.0, 2.55, 2.4), dvec3(0.0, -0.25, 0.1)],
-        background: [0.36, 0.4, 0.44],
+        background: [0.36, 0.4, 0.44, 1.0],
         surfaces: vec![dome.shadow(place, -0.45, [0.25, 0.28, 0.31]), dome],
     }
 }
@@ -347,23 +344,21 @@ fn lace() -> Scene {
         about: "A draped lace of 2,500 holes, 10,000 cubic segments.",
         place: dvec3(7.0, -6.0, -3.0),
         camera: [dvec3(0.5, 3.6, 3.5), dvec3(-0.03, 0.0, 0.12)],
-        background: [0.3, 0.07, 0.12],
+        background: [0.3, 0.07, 0.12, 1.0],
         surfaces: vec![cloth],
     }
 }
 
 fn shell() -> Scene {
     const SAILS: usize = 8;
-    // Out from the middle and sideways, a sail is a saddle; neighbours meet where they are alike.
+    // A saddle, as x² rises outwards and z² falls sideways; neighbours meet where both are alike.
     let foot = 1.15 * dvec2(1.0, (0.5 * TAU / SAILS as f64).tan());
-    let size = 1.45;
-    let [top, rise, fall] = [0.36, 0.42, 1.44];
+    let [size, top, rise, fall] = [1.45, 0.36, 0.42, 1.44];
     let points = |sail: usize, lift: f64| {
         let out = DVec2::from_angle((sail as f64 + 0.5) / SAILS as f64 * TAU);
         std::array::from_fn(|i| {
             let [x, z] = [(i % 4) as f64 / 3.0, (i / 4) as f64 / 3.0 - 0.5];
             let level = size * out.rotate(dvec2(x, z));
-            // x² over 0 … 1 as a cubic, z² as above.
             let y = top + rise * [0.0, 0.0, 1.0 / 3.0, 1.0][i % 4] - fall * SQUARE[i / 4];
             dvec3(level.x, y + lift, level.y)
         })
@@ -387,20 +382,18 @@ fn shell() -> Scene {
         pen.data
     };
     let place = dvec3(2.5, -9.0, -8.0);
-    let mut surfaces = Vec::new();
-    for sail in 0..SAILS {
+    let surfaces = (0..SAILS).flat_map(|sail| {
         let path = border(sail % 2 == 0);
         let sail = |lift, color| Surface::new(points(sail, lift), color, "inside", path.clone());
         let roof = sail(0.0, [0.62, 0.6, 0.55]);
-        surfaces.push(roof.shadow(place, -0.02, [0.33, 0.42, 0.45]));
-        surfaces.extend([roof, sail(-0.02, [0.6, 0.27, 0.1])]);
-    }
+        [roof.shadow(place, -0.02, [0.33, 0.42, 0.45]), roof, sail(-0.02, [0.6, 0.27, 0.1])]
+    });
     Scene {
         name: "shell",
         about: "A roof of eight saddles, each trimmed by its own border, that meet on the groins.",
         place,
         camera: [dvec3(0.6, 2.5, 3.7), dvec3(0.0, 0.2, 0.0)],
-        background: [0.55, 0.66, 0.68],
-        surfaces,
+        background: [0.55, 0.66, 0.68, 1.0],
+        surfaces: surfaces.collect(),
     }
 }

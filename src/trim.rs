@@ -35,8 +35,8 @@ fn check_count(number: usize, count: usize, others: usize) -> Result<()> {
         let segment = MAX_SEGMENTS - others;
         return Err(Error::invalid(
             format!("loop {number}, segment {segment}"),
-            format!("number {} of the surface's segments", MAX_SEGMENTS + 1),
-            format!("at most {MAX_SEGMENTS}"),
+            "one too many",
+            format!("at most {MAX_SEGMENTS} in all loops of a surface"),
         ));
     }
     Ok(())
@@ -239,7 +239,10 @@ impl TrimLoop {
             }
         }
         let count = segments.len();
-        check_count(0, count, 0)?;
+        if count > MAX_SEGMENTS {
+            let segment = format!("segment {MAX_SEGMENTS}");
+            return Err(Error::invalid(segment, "one too many", format!("at most {MAX_SEGMENTS}")));
+        }
         for i in 0..count {
             let next = (i + 1) % count;
             let (end, start) = (segments[i].end(), segments[next].start());
@@ -428,6 +431,14 @@ mod tests {
         assert!(text.contains("segment 0") && text.contains("segment 1"), "{text}");
         assert!(TrimLoop::new(Vec::new()).is_err());
         assert!(Segment::new(&[DVec2::ZERO; 5]).is_err());
+        let corner = Segment::Line([DVec2::ZERO, DVec2::ZERO]);
+        let text = TrimLoop::new(vec![corner; 1_000_001]).unwrap_err().to_string();
+        assert!(text.contains("segment 1000000") && text.contains("at most 1000000"), "{text}");
+        let mut trims = Trims::default();
+        trims.add_loop(TrimLoop::new(vec![corner; 600_000]).unwrap()).unwrap();
+        let text = trims.add_loop(trims.loops[0].clone()).unwrap_err().to_string();
+        assert!(text.contains("loop 1, segment 400000"), "{text}");
+        assert_eq!(trims.loops.len(), 1);
         let infinite = Segment::Line([DVec2::ZERO, DVec2::INFINITY]);
         assert!(TrimLoop::new(vec![infinite]).unwrap_err().to_string().contains("segment 0"));
     }

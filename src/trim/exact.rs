@@ -246,6 +246,99 @@ mod tests {
         (-0.3..1.3, -0.3..1.3).prop_map(|(x, y)| dvec2(x, y))
     }
 
+    #[test]
+    fn a_sample_exactly_on_a_cell_edge_is_decided_right() {
+        let points = [(0.13, 0.2), (0.3, 0.9), (0.9, 1.1), (0.8, 0.5), (0.7, 0.0), (0.2, -0.2)];
+        let loops = [closed(&points.map(|(u, v)| dvec2(u, v)))];
+        let grid = grid_of(&loops);
+        let lattice = grid.loops.unwrap().lattice;
+        let around = |x: f32| [x.next_down(), x, x.next_up()];
+        let edges = |axis: usize| -> Vec<f32> {
+            let edges = lattice.bounds(axis).into_iter().flatten().flat_map(around);
+            edges.filter(|x| (0.0..1.0).contains(x)).collect()
+        };
+        let (us, vs) = (edges(0), edges(1));
+        check(&loops, vs.iter().flat_map(|v| us.iter().map(move |u| vec2(*u, *v))));
+    }
+
+    #[test]
+    fn a_crowd_in_one_cell_is_decided_right() {
+        let lens = |i: i32| {
+            let at = dvec2(0.5 + 0.0004 * f64::from(i % 20), 0.5 + 0.0004 * f64::from(i / 20));
+            let off = [(0., 0.), (0.1, 0.1), (0.2, 0.1), (0.3, 0.), (0.2, -0.1), (0.1, -0.1)];
+            closed(&off.map(|(u, v)| at + 0.001 * dvec2(u, v)))
+        };
+        let around = [(0.1, 0.1), (0.1, 0.9), (0.9, 0.9), (0.9, 0.1), (0.8, 0.0), (0.2, 0.0)];
+        let mut loops: Vec<TrimLoop> = (0..400).map(lens).collect();
+        loops.push(closed(&around.map(|(u, v)| dvec2(u, v))));
+        assert!(grid_of(&loops).has_finer_cells());
+        check(&loops, lattice_samples(64).map(|uv| 0.499 + 0.01 * uv));
+        check(&loops, lattice_samples(64));
+    }
+
+    #[test]
+    fn many_shapes_are_decided_as_their_equations_say() {
+        use crate::{Circle, Ellipse, Interval};
+        let mut trims = Trims::default();
+        for i in 0..300 {
+            let i = f64::from(i);
+            let center = dvec2((i * 0.618).fract() * 1.4 - 0.2, (i * 0.755).fract() * 1.4 - 0.2);
+            let radius = 0.002 + 0.03 * (i * 0.37).fract();
+            match i as u32 % 3 {
+                0 => trims.circles.push(Circle::new(center, radius).unwrap()),
+                1 => trims.ellipses.push(Ellipse::new(center, dvec2(radius, 0.01)).unwrap()),
+                _ => {
+                    let range = |x: f64| dvec2(x - radius, x + 0.5 * radius);
+                    let interval = Interval::new(range(center.x), range(center.y)).unwrap();
+                    trims.intervals.push(interval);
+                }
+            }
+        }
+        // Huge ones far away, whose border is nearly straight in the domain.
+        trims.circles.push(Circle::new(dvec2(1e6 + 0.97, 0.3), 1e6).unwrap());
+        trims.ellipses.push(Ellipse::new(dvec2(0.4, -1e5), dvec2(3e4, 1e5 + 0.05)).unwrap());
+        let grid = TrimGrid::new(&trims);
+        let mut cut = 0;
+        for uv in lattice_samples(500) {
+            let decided = grid.cut(uv);
+            cut += usize::from(decided);
+            let at = uv.as_dvec2();
+            let near = |angle: f64| trims.cut(at + 2e-7 * DVec2::from_angle(angle)) == decided;
+            if decided != trims.cut(at) {
+                assert!((0..16).any(|i| near(f64::from(i) * 0.4)), "{uv:?}");
+            }
+        }
+        assert!((20_000..230_000).contains(&cut), "{cut}");
+        trims.circles_on = false;
+        assert!(!TrimGrid::new(&trims).cut(vec2(0.999, 0.3)));
+    }
+
+    #[test]
+    fn rectangles_are_cut_throughout_only_if_all_their_samples_are() {
+        let text = "M.1 .1 C.3 .9 .6 .9 .9 .2 Z";
+        let mut trims = Trims::default();
+        trims.add_svg_path(text).unwrap();
+        trims.circles.push(crate::Circle::new(dvec2(0.7, 0.7), 0.2).unwrap());
+        for keep in [Keep::Outside, Keep::Inside] {
+            trims.keep = keep;
+            let grid = TrimGrid::new(&trims);
+            let mut said = [0; 3];
+            for i in 0..256 {
+                let least = vec2((i % 16) as f32, (i / 16) as f32) / 16.0;
+                let most = least + 1.0 / 16.0;
+                let samples = || lattice_samples(9).map(|uv| least + uv * 9.0 / 8.0 * 0.0625);
+                match grid.cut_throughout(least, most) {
+                    None => said[2] += 1,
+                    Some(cut) => {
+                        said[usize::from(cut)] += 1;
+                        assert!(samples().all(|uv| grid.cut(uv.min(most)) == cut), "{least}");
+                    }
+                }
+            }
+            assert!(said.iter().all(|count| *count > 20), "{said:?}");
+        }
+    }
+
     proptest! {
         #[test]
         fn random_loops_are_decided_as_the_oracle_does(

@@ -377,10 +377,7 @@ impl Builder<'_> {
                 let [least, most] = piece.u_range();
                 for row in touched(rows, [piece.low.y, piece.high.y]) {
                     for column in touched(columns, [least, most]) {
-                        // A level piece counts only where it leaves the cell to the right.
-                        if !piece.is_level() || most > columns[column][1] {
-                            visit(row * columns.len() + column, reference.piece);
-                        }
+                        visit(row * columns.len() + column, reference.piece);
                     }
                 }
             }
@@ -396,5 +393,153 @@ impl Builder<'_> {
             next[cell] += 1;
         });
         (starts, members)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trim::pieces::monotone_curves;
+    use crate::{Segment, TrimLoop};
+    use proptest::prelude::*;
+
+    /// The bounds of every cell that can be looked up, finer ones too, and the pieces it lists.
+    fn cells(grid: &Grid, words: &[u32]) -> Vec<([Bounds; 2], Vec<usize>)> {
+        let mut found = Vec::new();
+        let mut lattices = vec![(grid.lattice, grid.cells)];
+        while let Some((lattice, first)) = lattices.pop() {
+            let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
+            for cell in 0..lattice.count() {
+                let [column, row] = [cell % columns.len(), cell / columns.len()];
+                let bounds = [columns[column], rows[row]];
+                let word = words[first + cell];
+                let at = (word >> 3) as usize;
+                if word & 7 == FINER {
+                    let corner = |i: usize| Vec2::new(bounds[0][i], bounds[1][i]);
+                    let side = words[at + 4];
+                    let finer = Lattice::new(corner(0), corner(1), side);
+                    assert_eq!(finer.words(), words[at..at + Lattice::WORDS]);
+                    lattices.push((finer, at + Lattice::WORDS));
+                } else if word & LIST != 0 {
+                    let pieces = listed(&words[at..]).map(|word| (word >> 4) as usize).collect();
+                    found.push((bounds, pieces));
+                } else {
+                    found.push((bounds, Vec::new()));
+                }
+            }
+        }
+        found
+    }
+
+    fn chain(points: &[(f64, f64)]) -> TrimLoop {
+        let at = |i: usize| points[i % points.len()].into();
+        let cubic = |i: usize| Segment::Cubic([at(i), at(i + 1), at(i + 2), at(i + 3)]);
+        TrimLoop::new((0..points.len()).step_by(3).map(cubic).collect()).unwrap()
+    }
+
+    /// Lenses in rows and columns: many small curves.
+    fn lenses(side: usize, step: f64, least: f64) -> Vec<TrimLoop> {
+        let lens = |i: usize| {
+            let (u, v) = (least + step * (i % side) as f64, least + step * (i / side) as f64);
+            let at = |x: f64, y: f64| (u + x * step, v + y * step);
+            chain(&[
+                at(0.1, 0.5),
+                at(0.3, 0.9),
+                at(0.7, 0.9),
+                at(0.9, 0.5),
+                at(0.7, 0.1),
+                at(0.3, 0.1),
+            ])
+        };
+        (0..side * side).map(lens).collect()
+    }
+
+    fn check(loops: &[TrimLoop], rows: &[f32]) {
+        let mut words = Vec::new();
+        let Some(grid) = build(&monotone_curves(loops), &mut words) else { return };
+        let pieces: Vec<Piece> =
+            words.chunks_exact(PIECE_WORDS).take(grid.pieces).map(Piece::from_words).collect();
+        for (bounds, listed) in cells(&grid, &words) {
+            let mut is_listed = vec![false; pieces.len()];
+            for piece in listed {
+                is_listed[piece] = true;
+            }
+            for (piece, is_listed) in pieces.iter().zip(is_listed) {
+                let [least, most] = piece.u_range();
+                let touches = least <= bounds[0][1]
+                    && most >= bounds[0][0]
+                    && piece.low.y <= bounds[1][1]
+                    && piece.high.y >= bounds[1][0];
+                assert_eq!(is_listed, touches, "{piece:?} in {bounds:?}");
+            }
+        }
+        // The end points alone decide how many pieces a row meets: an even number.
+        let stored = pieces.iter().take(50).flat_map(|piece| [piece.low.y, piece.high.y]);
+        for v in stored.chain(rows.iter().copied()) {
+            let met = pieces.iter().filter(|p| (p.low.y <= v) != (p.high.y <= v)).count();
+            assert!(met.is_multiple_of(2), "{met} pieces in row {v}");
+        }
+    }
+
+    #[test]
+    fn crowded_cells_list_every_piece_that_touches_them() {
+        let mut loops = lenses(12, 0.001, 0.5);
+        loops.push(chain(&[
+            (0.05, 0.5),
+            (0.1, 1.1),
+            (0.9, 1.1),
+            (0.95, 0.5),
+            (0.9, -0.1),
+            (0.1, -0.1),
+        ]));
+        let mut words = Vec::new();
+        let grid = build(&monotone_curves(&loops), &mut words).unwrap();
+        let cells = &words[grid.cells..][..grid.lattice.count()];
+        assert!(cells.iter().any(|cell| cell & 7 == FINER));
+        check(&loops, &[0.5, 0.505]);
+    }
+
+    #[test]
+    fn ten_thousand_spread_segments_take_less_than_200_bytes_each() {
+        let loops = lenses(71, 1.0 / 71.0, 0.0);
+        let mut words = Vec::new();
+        let grid = build(&monotone_curves(&loops), &mut words).unwrap();
+        let segments = 2 * loops.len();
+        assert!(segments >= 10_000 && grid.pieces >= segments);
+        assert!(4 * words.len() <= 200 * segments, "{} bytes", 4 * words.len());
+    }
+
+    #[test]
+    fn a_hundred_thousand_long_segments_do_not_grow_the_grid_beyond_bounds() {
+        let points: Vec<(f64, f64)> = (0..300_000)
+            .map(|i| {
+                (f64::from(i * 7919 % 10_007) / 10_007.0, f64::from(i * 104_729 % 9973) / 9973.0)
+            })
+            .collect();
+        let mut words = Vec::new();
+        let grid = build(&monotone_curves(&[chain(&points)]), &mut words).unwrap();
+        assert!(4 * words.len() < 400 << 20, "{} MiB", words.len() >> 18);
+        assert!(grid.longest > LONG_LIST);
+    }
+
+    #[test]
+    fn what_has_no_inside_has_no_grid() {
+        let level = [(0.2, 0.5), (0.4, 0.5), (0.6, 0.5), (0.8, 0.5), (0.6, 0.5), (0.4, 0.5)];
+        let outside = level.map(|(u, v)| (u + 2.0, v * 3.0 * u));
+        for points in [level, level.map(|(u, v)| (v, u)), outside] {
+            assert_eq!(build(&monotone_curves(&[chain(&points)]), &mut Vec::new()), None);
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+        #[test]
+        fn cells_list_every_piece_that_touches_them(
+            points in prop::collection::vec((-0.3..1.3, -0.3..1.3), 6..30),
+            rows in prop::collection::vec(0.0_f32..1.0, 10),
+        ) {
+            let loops = [chain(&points[..points.len() / 3 * 3])];
+            check(&loops, &rows);
+        }
     }
 }

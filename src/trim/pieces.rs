@@ -45,11 +45,6 @@ impl Piece {
         (low != high).then_some(Self { low, high, legs })
     }
 
-    /// Whether it is level: no ray along u crosses it.
-    pub(super) fn is_level(&self) -> bool {
-        self.low.y == self.high.y
-    }
-
     /// Least and greatest u.
     pub(super) fn u_range(&self) -> [f32; 2] {
         [self.low.x.min(self.high.x), self.low.x.max(self.high.x)]
