@@ -260,7 +260,7 @@ fn gear() -> Scene {
         name: "gear",
         about: "A dome whose border is a gear: lines and arcs, with holes inside the border.",
         place,
-        camera: [dvec3(0.0, 2.55, 2.4), dvec3(0.0, -0.25, 0.1)],
+        camera: [dvec3(0.0, 2.4, 2.27), dvec3(0.0, -0.3, 0.12)],
         background: [0.36, 0.4, 0.44, 1.0],
         surfaces: vec![dome.shadow(place, -0.45, [0.25, 0.28, 0.31]), dome],
     }
@@ -337,13 +337,13 @@ fn lace() -> Scene {
         }
     }
     assert_eq!(["m", "c"].map(|letter| pen.data.matches(letter).count()), [2_500, 10_000]);
-    let y = [-0.2, 0.5, 0.1, -0.3, 0.0, 0.6, 0.2, 0.2, -0.1, 0.3, 0.6, -0.2, -0.5, 0.7, -0.7, -0.2];
-    let cloth = Surface::new(sheet(dvec2(2.8, 2.4), y), [0.8, 0.77, 0.7], "outside", pen.data);
+    let y = [0.3, -0.3, 0.6, 0.0, 0.0, 0.9, -0.4, 0.3, 0.0, 0.9, -0.4, 0.3, -0.6, 1.2, -1.2, 0.2];
+    let cloth = Surface::new(sheet(dvec2(3.1, 2.4), y), [0.74, 0.7, 0.62], "outside", pen.data);
     Scene {
         name: "lace",
         about: "A draped lace of 2,500 holes, 10,000 cubic segments.",
-        place: dvec3(7.0, -6.0, -3.0),
-        camera: [dvec3(0.5, 3.6, 3.5), dvec3(-0.03, 0.0, 0.12)],
+        place: dvec3(9.5, -3.5, -3.5),
+        camera: [dvec3(0.3, 3.7, 3.4), dvec3(0.0, 0.0, 0.12)],
         background: [0.3, 0.07, 0.12, 1.0],
         surfaces: vec![cloth],
     }
@@ -392,7 +392,7 @@ fn shell() -> Scene {
         name: "shell",
         about: "A roof of eight saddles, each trimmed by its own border, that meet on the groins.",
         place,
-        camera: [dvec3(0.6, 2.5, 3.7), dvec3(0.0, 0.2, 0.0)],
+        camera: [dvec3(0.6, 2.5, 3.7), dvec3(0.0, 0.19, 0.0)],
         background: [0.55, 0.66, 0.68, 1.0],
         surfaces: surfaces.collect(),
     }
