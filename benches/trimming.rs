@@ -162,7 +162,8 @@ fn building(gl: &std::sync::Arc<glow::Context>) {
         let bytes = 4 * TrimGrid::new(&trims).words().len();
         let bar = if count == 10_000 { "≤ 30" } else { "" };
         line(&format!("grid of {count} cubics, ms"), ms, bar);
-        line("  bytes a cubic", bytes as f64 / count as f64, "≤ 200");
+        let bar = if count == 10_000 { "≤ 200" } else { "" };
+        line("  bytes a cubic", bytes as f64 / count as f64, bar);
     }
     let renderer = Renderer::new(gl).expect("a renderer");
     let mut surface = FreeFormSurface::new(&renderer).expect("a surface");

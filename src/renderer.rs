@@ -194,7 +194,7 @@ impl Renderer {
             set_matrices(program, surface.model_matrix(), &frame.projection);
             program.set_f32(location::TESS_LEVEL, parts.level as f32);
             if features.any() {
-                trims.set(program);
+                trims.bind();
             }
             surface.texture().bind(0);
             self.set_state(degree, settings.wireframe);

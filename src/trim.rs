@@ -14,7 +14,6 @@ mod shapes;
 
 use glam::DVec2;
 
-pub(crate) use exact::Lookup;
 pub use exact::TrimGrid;
 pub use inside::{inside_loops, ray_crosses_odd};
 pub(crate) use newton::holds;

@@ -66,9 +66,7 @@ fn thesis(trims: &Trims) -> Thesis {
 
 /// Every v that the grid stores, and its neighbours.
 fn stored_rows(grid: &TrimGrid) -> Vec<f32> {
-    let pieces = grid.words().chunks_exact(8).take(grid.pieces());
-    let mut rows: Vec<f32> =
-        pieces.flat_map(|words| [f32::from_bits(words[1]), f32::from_bits(words[3])]).collect();
+    let mut rows: Vec<f32> = grid.pieces().iter().flat_map(|piece| [piece[1], piece[3]]).collect();
     rows.sort_by(f32::total_cmp);
     rows.dedup();
     // Thousands of them would take hours; every case but two has fewer.

@@ -137,5 +137,5 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_builds_uploads_and_allocates_not
     let [_, uploads] = draw(&mut prepared);
     assert_eq!(uploads, 2);
     assert_eq!(draw(&mut prepared), [0, 0]);
-    assert!(TrimGrid::new(prepared.surfaces_mut()[500].trims()).pieces() >= 12);
+    assert!(TrimGrid::new(prepared.surfaces_mut()[500].trims()).pieces().len() >= 12);
 }

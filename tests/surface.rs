@@ -139,7 +139,7 @@ fn every_trimming_call_cuts_and_every_switch_brings_back() {
 
 #[test]
 fn many_trims_of_every_kind_cut_at_once() {
-    METHODS.map(many_trims_cut_at_once);
+    METHODS.into_iter().for_each(many_trims_cut_at_once);
 }
 
 fn many_trims_cut_at_once(method: Method) {
@@ -351,7 +351,7 @@ fn sixty_four_patches_at_level_64_equal_the_patches_one_by_one() {
             points.push(DVec4::new(place.x - 4.0, height, 4.0 - place.y, 1.0));
         }
     }
-    METHODS.map(|method| sixty_four_patches(&points, method));
+    METHODS.into_iter().for_each(|method| sixty_four_patches(&points, method));
 }
 
 fn sixty_four_patches(points: &[DVec4], method: Method) {

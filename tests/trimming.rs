@@ -214,16 +214,17 @@ fn decisions() -> Sources {
 }
 
 /// The same without the grid: every sample is tested against every piece.
-fn brute_force(pieces: usize) -> Sources {
+fn brute_force(pieces: std::ops::Range<usize>) -> Sources {
     let grid = include_str!("../glsl/common/trim.glsl");
+    let end = pieces.end;
+    let start = pieces.start;
     let without = format!(
         "
-bool insideLoops(vec2 uv)
+bool cutByLoops(vec2 uv)
 {{
-    uv = clamp(uv, loopBox.xy, loopBox.zw);
     bool inside = false;
-    for (int piece = 0; piece < {pieces}; ++piece) {{
-        vec4 ends = texelFetch(trimPoints, piece * 2), legs = texelFetch(trimPoints, piece * 2 + 1);
+    for (int piece = {start}; piece < {end}; piece += 2) {{
+        vec4 ends = texelFetch(trimPoints, piece), legs = texelFetch(trimPoints, piece + 1);
         if ((ends.y <= uv.y) == (ends.w <= uv.y) || uv.x >= max(ends.x, ends.z))
             continue;
         if (uv.x < min(ends.x, ends.z)) {{
@@ -254,7 +255,7 @@ bool insideLoops(vec2 uv)
 }}
 "
     );
-    let start = grid.find("bool insideLoops(vec2 uv)").unwrap();
+    let start = grid.find("bool cutByLoops(vec2 uv)").unwrap();
     let end = start + grid[start..].find("#endif\n\n#ifdef SHAPES").unwrap();
     decisions().with_edit("common/trim.glsl", &grid[start..end], &without)
 }
@@ -326,7 +327,11 @@ fn the_grid_and_brute_force_agree_bit_for_bit_on_the_gpu() {
         };
         trims.circles_on = false;
         let scene = curved(trims);
-        let pieces = TrimGrid::new(&scene.surfaces[0].trims).pieces();
+        let grid = TrimGrid::new(&scene.surfaces[0].trims);
+        let pieces = grid.pieces();
+        // The texels of the pieces in the shader's buffer.
+        let before = pieces.as_ptr() as usize - grid.words().as_ptr() as usize;
+        let pieces = before / 16..before / 16 + 2 * pieces.len();
         let with_grid = target.draw(&scene, decisions());
         let without = target.draw(&scene, brute_force(pieces));
         assert!(with_grid.iter().any(|pixel| pixel[2] == 1.0));

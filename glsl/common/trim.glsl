@@ -2,13 +2,15 @@
 // src/trim/{exact,grid,lattice,pieces,shapes}.rs, which decide bit for bit alike; grid.rs says what
 // the words mean and why.
 //
-// Compiled in is what a surface has: LOOPS, SHAPES.
+// Compiled in is what a surface has: LOOPS with LOOP_COLUMNS, columns and rows of their cells;
+// FINER_LOOPS, some cells have cells of their own; LONG_LISTS, some have more than 32 pieces; SHAPES.
 
-// One buffer, seen as words and as four floats each. (Reading a buffer texture costs Mesa's software
-// driver a tenth of what a storage buffer does.)
+// One buffer, seen as words and as texels of four floats. (Reading a buffer texture costs Mesa's
+// software driver a tenth of what a storage buffer does, and less than a uniform.)
 layout(binding = 1) uniform usamplerBuffer trimWords;
 layout(binding = 2) uniform samplerBuffer trimPoints;
 
+const uint HEADER_WORDS = 4u;
 const uint LIST = 2u;
 const uint FINER = 4u;
 const uint LAST = 4u;
@@ -19,19 +21,14 @@ uint trimWord(uint at)
     return texelFetch(trimWords, int(at)).x;
 }
 
-// The number of a sample's cell in a lattice of so many columns, row by row.
-uint cellOf(vec2 uv, vec2 least, vec2 scale, int columns)
+// The number of the cell at a place that is counted in cells.
+uint cellAt(vec2 place, uint columns)
 {
-    precise vec2 place = (uv - least) * scale;
-    return uint(int(place.y) * columns + int(place.x));
+    // Never negative; drivers are quicker with signed numbers.
+    return uint(int(place.y) * int(columns) + int(place.x));
 }
 
 #ifdef LOOPS
-layout(location = 24) uniform vec4 loopBox;    // least and greatest (u, v) of the cells
-layout(location = 25) uniform vec2 loopScale;  // cells for each unit of the domain
-layout(location = 26) uniform ivec2 loopCells; // columns, the word where the cells begin
-layout(location = 27) uniform bool keepInside;
-
 // Above 0 if b points to the left of a.
 float crossed(vec2 a, vec2 b)
 {
@@ -39,22 +36,21 @@ float crossed(vec2 a, vec2 b)
     return value;
 }
 
-bool insideLoops(vec2 uv)
+bool cutByLoops(vec2 uv)
 {
-    // Cells at the box's border are empty, unless it is the domain's border.
-    uv = clamp(uv, loopBox.xy, loopBox.zw);
-    uint cell = trimWord(uint(loopCells.y) + cellOf(uv, loopBox.xy, loopScale, loopCells.x));
+    uint cell = trimWord(HEADER_WORDS + cellAt(uv * float(LOOP_COLUMNS), LOOP_COLUMNS));
 #ifdef FINER_LOOPS
     if ((cell & 7u) == FINER) {
         uint at = cell >> 3;
         vec2 least = uintBitsToFloat(uvec2(trimWord(at), trimWord(at + 1u)));
         vec2 scale = uintBitsToFloat(uvec2(trimWord(at + 2u), trimWord(at + 3u)));
-        cell = trimWord(at + 5u + cellOf(uv, least, scale, int(trimWord(at + 4u))));
+        precise vec2 place = (uv - least) * scale;
+        cell = trimWord(at + 5u + cellAt(place, trimWord(at + 4u)));
     }
 #endif
-    bool inside = (cell & 1u) == 1u;
+    bool isCut = (cell & 1u) == 1u;
     if ((cell & LIST) == 0u)
-        return inside;
+        return isCut;
     uint at = cell >> 3;
     bool last = false;
 #ifdef LONG_LISTS
@@ -63,10 +59,10 @@ bool insideLoops(vec2 uv)
     {
         // From piece to piece; those that must be halved are marked. Drivers that do not branch do
         // all of this for every pixel, so that halving has no place in it.
-        uint first = at, near = 0u;
+        uint first = at, near = 0u, mark = 1u;
         do {
             uint reference = trimWord(at);
-            vec4 ends = texelFetch(trimPoints, int(reference >> 4) * 2);
+            vec4 ends = texelFetch(trimPoints, int(reference >> 4));
             // The half-open test of the row and the box decide topology on stored bits alone.
             bool lowReached = ends.y <= uv.y, highReached = ends.w <= uv.y;
             bool inRow = lowReached != highReached;
@@ -78,11 +74,16 @@ bool insideLoops(vec2 uv)
             bool crosses = inBox ? outside && !left : inRow && leftOfBox;
             bool endReached = (reference & 1u) != 0u && lowReached
                 || (reference & 2u) != 0u && highReached;
-            inside = (inside != crosses) != endReached;
-            near |= inBox && !outside ? 1u << (at - first) : 0u;
+            isCut = (isCut != crosses) != endReached;
+            near |= inBox && !outside ? mark : 0u;
+            mark <<= 1;
             last = (reference & LAST) != 0u;
             ++at;
-        } while (!last && at - first < 32u);
+#ifdef LONG_LISTS
+        } while (!last && mark != 0u);
+#else
+        } while (!last);
+#endif
 
         // One halving after the other, and from one marked piece to the next.
         int halvings = 0;
@@ -92,7 +93,7 @@ bool insideLoops(vec2 uv)
             if (halvings == 0) {
                 uint reference = trimWord(first + uint(findLSB(near)));
                 left = (reference & LEFT) != 0u;
-                int piece = int(reference >> 4) * 2;
+                int piece = int(reference >> 4);
                 vec4 ends = texelFetch(trimPoints, piece), legs = texelFetch(trimPoints, piece + 1);
                 precise vec2 chord = ends.zw - ends.xy, inner = chord - legs.zw;
                 point = uv - ends.xy;
@@ -117,21 +118,17 @@ bool insideLoops(vec2 uv)
             bool beyond = turn * crossed(bcd - abc, point - middle) > 0.0;
             ++halvings;
             if (outside || beyond || halvings == 24) {
-                inside = inside != (outside ? !left : beyond && left);
+                isCut = isCut != (outside ? !left : beyond && left);
                 near &= near - 1u;
                 halvings = 0;
             }
         }
     }
-    return inside;
+    return isCut;
 }
 #endif
 
 #ifdef SHAPES
-layout(location = 28) uniform vec4 shapeBox;
-layout(location = 29) uniform vec2 shapeScale;
-layout(location = 30) uniform ivec2 shapeCells;
-
 bool cutByShape(uint reference, vec2 uv)
 {
     int at = int(reference >> 3);
@@ -146,8 +143,8 @@ bool cutByShape(uint reference, vec2 uv)
 
 bool cutByShapes(vec2 uv)
 {
-    uv = clamp(uv, shapeBox.xy, shapeBox.zw);
-    uint cell = trimWord(uint(shapeCells.y) + cellOf(uv, shapeBox.xy, shapeScale, shapeCells.x));
+    uint columns = trimWord(0u);
+    uint cell = trimWord(trimWord(1u) + cellAt(uv * float(columns), columns));
     bool isCut = (cell & 1u) == 1u;
     if ((cell & LIST) == 0u)
         return isCut;
@@ -162,12 +159,14 @@ bool cutByShapes(vec2 uv)
 // Whether any trim cuts uv.
 bool cut(vec2 uv)
 {
+    // The last number below 1: the domain's far borders belong to the cells before them.
+    uv = clamp(uv, 0.0, 0.99999994);
 #ifdef SHAPES
     if (cutByShapes(uv))
         return true;
 #endif
 #ifdef LOOPS
-    return insideLoops(uv) != keepInside;
+    return cutByLoops(uv);
 #else
     return false;
 #endif

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{IVec2, Mat4, Vec2, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3};
 use glow::{HasContext, NativeUniformLocation};
 
 use super::create;
@@ -182,21 +182,6 @@ impl Program {
         unsafe {
             self.gl.program_uniform_3_f32(self.raw, Some(&location), value.x, value.y, value.z);
         }
-    }
-
-    /// Sets a `vec4`.
-    pub fn set_vec4(&self, location: u32, value: Vec4) {
-        let location = NativeUniformLocation(location);
-        let [x, y, z, w] = value.to_array();
-        // SAFETY: as in `set_mat4`.
-        unsafe { self.gl.program_uniform_4_f32(self.raw, Some(&location), x, y, z, w) }
-    }
-
-    /// Sets an `ivec2`.
-    pub fn set_ivec2(&self, location: u32, value: IVec2) {
-        let location = NativeUniformLocation(location);
-        // SAFETY: as in `set_mat4`.
-        unsafe { self.gl.program_uniform_2_i32(self.raw, Some(&location), value.x, value.y) }
     }
 
     /// Sets a `float`.

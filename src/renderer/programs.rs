@@ -5,6 +5,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashMap;
+use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
@@ -60,20 +61,6 @@ pub mod location {
     pub const SHOW_CONTROL_POINTS: u32 = 22;
     /// `pointSize`.
     pub const POINT_SIZE: u32 = 23;
-    /// `loopBox`.
-    pub const LOOP_BOX: u32 = 24;
-    /// `loopScale`.
-    pub const LOOP_SCALE: u32 = 25;
-    /// `loopCells`.
-    pub const LOOP_CELLS: u32 = 26;
-    /// `keepInside`.
-    pub const KEEP_INSIDE: u32 = 27;
-    /// `shapeBox`.
-    pub const SHAPE_BOX: u32 = 28;
-    /// `shapeScale`.
-    pub const SHAPE_SCALE: u32 = 29;
-    /// `shapeCells`.
-    pub const SHAPE_CELLS: u32 = 30;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.
@@ -132,8 +119,8 @@ pub struct TrimFeatures {
     pub cubics: bool,
     /// `cubicBezierBool2`.
     pub nested_cubics: bool,
-    /// The exact method's loops.
-    pub loop_grid: bool,
+    /// The exact method's loops: columns and rows of their cells.
+    pub loop_columns: Option<NonZeroU32>,
     /// Crowded cells of theirs.
     pub finer_loops: bool,
     /// Cells of theirs with more than 32 pieces.
@@ -153,7 +140,7 @@ impl TrimFeatures {
         nested_quadratics: false,
         cubics: false,
         nested_cubics: false,
-        loop_grid: false,
+        loop_columns: None,
         finer_loops: false,
         long_lists: false,
         shape_grid: false,
@@ -184,7 +171,7 @@ impl TrimFeatures {
             || self.intervals
             || self.ellipses
             || self.loops()
-            || self.loop_grid
+            || self.loop_columns.is_some()
             || self.shape_grid
     }
 
@@ -199,7 +186,7 @@ impl TrimFeatures {
             ("NESTED_QUADRATICS", self.nested_quadratics),
             ("CUBICS", self.cubics),
             ("NESTED_CUBICS", self.nested_cubics),
-            ("LOOPS", self.loop_grid),
+            ("LOOPS", self.loop_columns.is_some()),
             ("FINER_LOOPS", self.finer_loops),
             ("LONG_LISTS", self.long_lists),
             ("SHAPES", self.shape_grid),
@@ -336,6 +323,7 @@ impl Sources {
         }
         let on = key.trims.defines().into_iter().filter(|(_, on)| *on);
         defines.extend(on.map(|(name, _)| (name, 1)));
+        defines.extend(key.trims.loop_columns.map(|columns| ("LOOP_COLUMNS", columns.get())));
 
         let stages: Vec<Stage> = files
             .iter()

@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::{IVec2, Vec2, Vec4};
+use glam::{Vec2, Vec4};
 
 use crate::gpu::{Buffer, Program, TexelBuffer};
 use crate::renderer::programs::{
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
 use crate::tessellation::Split;
-use crate::trim::Lookup;
 use crate::{Method, Newton, NewtonTrims, Result, TessLevel, TrimGrid, Trims};
 
 /// What the shaders of one method read. It is made when the method first draws the surface at a
@@ -121,9 +120,6 @@ impl ThesisTrims {
 /// The exact method's grids, and the parts of a patch that they leave to be drawn.
 #[derive(Debug)]
 pub(crate) struct ExactTrims {
-    loops: Option<Lookup>,
-    shapes: Option<Lookup>,
-    keeps_inside: bool,
     features: TrimFeatures,
     words: Option<TexelBuffer>,
     level: TessLevel,
@@ -148,22 +144,16 @@ impl ExactTrims {
     fn new(gl: &Arc<glow::Context>, trims: &Trims, level: TessLevel) -> Result<Self> {
         let grid = TrimGrid::new(trims);
         let features = TrimFeatures {
-            loop_grid: grid.loops().is_some(),
+            loop_columns: grid.loop_columns(),
             finer_loops: grid.has_finer_cells(),
             long_lists: grid.has_long_lists(),
-            shape_grid: grid.shapes().is_some(),
+            shape_grid: grid.has_shapes(),
             ..TrimFeatures::NONE
         };
-        let words = match grid.words() {
-            [] => None,
-            words => Some(TexelBuffer::new(gl, "trim grid", words)?),
-        };
+        let words = features.any().then(|| TexelBuffer::new(gl, "trim grid", grid.words()));
         Ok(Self {
-            loops: grid.loops(),
-            shapes: grid.shapes(),
-            keeps_inside: grid.keeps_inside(),
             features,
-            words,
+            words: words.transpose()?,
             level,
             parts: PartList::new(gl, &grid, level)?,
         })
@@ -178,17 +168,8 @@ impl ExactTrims {
         &self.parts
     }
 
-    /// Sets the uniforms and textures of the features.
-    pub(crate) fn set(&self, program: &Program) {
-        if let Some(loops) = &self.loops {
-            let places = [location::LOOP_BOX, location::LOOP_SCALE, location::LOOP_CELLS];
-            set_lookup(program, places, loops);
-            program.set_i32(location::KEEP_INSIDE, i32::from(self.keeps_inside));
-        }
-        if let Some(shapes) = &self.shapes {
-            let places = [location::SHAPE_BOX, location::SHAPE_SCALE, location::SHAPE_CELLS];
-            set_lookup(program, places, shapes);
-        }
+    /// Binds what the features read.
+    pub(crate) fn bind(&self) {
         if let Some(words) = &self.words {
             words.bind(TRIM_WORDS_UNIT);
         }
@@ -201,14 +182,6 @@ impl PartList {
         let boxes = uploaded(gl, "parts", &[kept.as_slice(), &trimmed].concat())?;
         Ok(Self { level: parts.level, kept: kept.len(), trimmed: trimmed.len(), boxes })
     }
-}
-
-fn set_lookup(program: &Program, [place, scale, cells]: [u32; 3], lookup: &Lookup) {
-    let lattice = &lookup.lattice;
-    let [least, most] = lattice.sample_box();
-    program.set_vec4(place, Vec4::new(least.x, least.y, most.x, most.y));
-    program.set_vec2(scale, lattice.scale);
-    program.set_ivec2(cells, IVec2::new(lattice.size.x as i32, lookup.cells as i32));
 }
 
 fn uploaded<T: bytemuck::Pod>(

@@ -1,12 +1,19 @@
 //! The trims of a surface as the exact method decides them: what the shaders get, and the same
 //! decision on the CPU.
 
+use std::num::NonZeroU32;
+use std::ops::Range;
+
 use glam::Vec2;
 
-use super::grid::{FINER, LIST, LONG_LIST, PIECE_WORDS, listed};
+use super::grid::{FINER, HEADER_WORDS, LIST, LONG_LIST, listed};
 use super::lattice::Lattice;
 use super::pieces::{Piece, monotone_curves};
 use super::{Keep, Trims, grid, shapes};
+
+/// The greatest sample: `f32`'s last number below 1. The far borders of the domain belong to the
+/// cells before them.
+const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// The trims of a surface, compiled for fast and exact decisions.
 ///
@@ -18,62 +25,63 @@ pub struct TrimGrid {
     words: Vec<u32>,
     loops: Option<Lookup>,
     shapes: Option<Lookup>,
+    /// What is cut where there are no loops.
     keeps_inside: bool,
-    pieces: usize,
+    pieces: Range<usize>,
     has_long_lists: bool,
 }
 
 /// A grid in the words.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Lookup {
+struct Lookup {
     /// Where it lies.
-    pub(crate) lattice: Lattice,
+    lattice: Lattice,
     /// The word where its cells begin.
-    pub(crate) cells: u32,
+    cells: usize,
 }
 
 impl TrimGrid {
     /// Compiles the trims that are switched on.
     #[must_use]
     pub fn new(trims: &Trims) -> Self {
-        let mut words = Vec::new();
+        let mut words = vec![0; HEADER_WORDS];
         let cut_loops = trims.loops_on && !trims.loops.is_empty();
         let curves = if cut_loops { monotone_curves(&trims.loops) } else { Vec::new() };
-        let lookup = |(lattice, cells)| Lookup { lattice, cells: cells as u32 };
-        let grid = grid::build(&curves, &mut words);
+        let keeps_inside = cut_loops && trims.keep == Keep::Inside;
+        let grid = grid::build(&curves, keeps_inside, &mut words);
         // Shapes are read four words at a time.
         words.resize(words.len().next_multiple_of(4), 0);
-        let shapes = shapes::build(trims, &mut words).map(lookup);
-        let keeps_inside = cut_loops && trims.keep == Keep::Inside;
-        Self {
-            words,
-            loops: grid.map(|grid| lookup((grid.lattice, grid.cells))),
-            shapes,
-            keeps_inside,
-            pieces: grid.map_or(0, |grid| grid.pieces),
-            has_long_lists: grid.is_some_and(|grid| grid.longest > LONG_LIST),
+        let shapes =
+            shapes::build(trims, &mut words).map(|(lattice, cells)| Lookup { lattice, cells });
+        let loops = grid.as_ref().map(|grid| Lookup { lattice: grid.lattice, cells: HEADER_WORDS });
+        if let Some(shapes) = &shapes {
+            words[0] = shapes.lattice.size.x;
+            words[1] = shapes.cells as u32;
         }
+        let pieces = grid.as_ref().map_or(0..0, |grid| grid.pieces.clone());
+        let has_long_lists = grid.is_some_and(|grid| grid.longest > LONG_LIST);
+        Self { words, loops, shapes, keeps_inside, pieces, has_long_lists }
     }
 
     /// Whether `uv` is cut, in the arithmetic of the shaders.
     #[must_use]
     pub fn cut(&self, uv: Vec2) -> bool {
-        self.cut_by_shapes(uv) || self.inside_loops(uv) != self.keeps_inside
+        let uv = clamped(uv);
+        self.cut_by_shapes(uv) || self.cut_by_loops(uv)
     }
 
     /// Whether everything in the rectangle from `least` to `most` is cut (`true`) or kept (`false`),
     /// or not known: some of it may be either.
     #[must_use]
     pub fn cut_throughout(&self, least: Vec2, most: Vec2) -> Option<bool> {
-        let inside = |lookup: &Option<Lookup>| match lookup {
-            None => Some(false),
+        let cells = |lookup: &Option<Lookup>, without: bool| match lookup {
+            None => Some(without),
             Some(lookup) => self.throughout(lookup, least, most),
         };
-        let loops = || inside(&self.loops).map(|inside| inside != self.keeps_inside);
-        match inside(&self.shapes) {
+        match cells(&self.shapes, false) {
             Some(true) => Some(true),
-            Some(false) => loops(),
-            None => loops().filter(|cut| *cut),
+            Some(false) => cells(&self.loops, self.keeps_inside),
+            None => cells(&self.loops, self.keeps_inside).filter(|cut| *cut),
         }
     }
 
@@ -83,11 +91,11 @@ impl TrimGrid {
         const MARGIN: f32 = 1e-6;
         let (least, most) = (least - MARGIN, most + MARGIN);
         let lattice = &lookup.lattice;
-        let [first, last] = [least, most].map(|corner| lattice.cell(lattice.clamp(corner)));
+        let [first, last] = [least, most].map(|corner| lattice.cell(clamped(corner)));
         let mut found = None;
         for row in first.y..=last.y {
             for column in first.x..=last.x {
-                let cell = self.words[(lookup.cells + row * lattice.size.x + column) as usize];
+                let cell = self.words[lookup.cells + (row * lattice.size.x + column) as usize];
                 let says = cell & 1 == 1;
                 if cell & (LIST | FINER) != 0 || found.is_some_and(|found| found != says) {
                     return None;
@@ -106,15 +114,16 @@ impl TrimGrid {
     /// Whether a cell has a finer lattice of its own.
     pub(crate) fn has_finer_cells(&self) -> bool {
         self.loops.is_some_and(|loops| {
-            let cells = &self.words[loops.cells as usize..][..loops.lattice.count()];
+            let cells = &self.words[loops.cells..][..loops.lattice.count()];
             cells.iter().any(|cell| cell & 7 == FINER)
         })
     }
 
-    /// How many monotone pieces the loops were cut into; those are the first words, eight each.
+    /// The words of the monotone pieces that the loops were cut into: for each the lower end, the
+    /// upper end, and the first and last leg of its control polygon.
     #[must_use]
-    pub const fn pieces(&self) -> usize {
-        self.pieces
+    pub fn pieces(&self) -> &[[f32; 8]] {
+        bytemuck::cast_slice(&self.words[self.pieces.clone()])
     }
 
     /// The words that the shaders read.
@@ -123,26 +132,23 @@ impl TrimGrid {
         &self.words
     }
 
-    pub(crate) const fn loops(&self) -> Option<Lookup> {
-        self.loops
+    /// Columns and rows of the loops' cells; none if there is nothing in the loops.
+    pub(crate) fn loop_columns(&self) -> Option<NonZeroU32> {
+        self.loops.and_then(|loops| NonZeroU32::new(loops.lattice.size.x))
     }
 
-    pub(crate) const fn shapes(&self) -> Option<Lookup> {
-        self.shapes
-    }
-
-    pub(crate) const fn keeps_inside(&self) -> bool {
-        self.keeps_inside
+    /// Whether anything can be cut by circles, intervals or ellipses.
+    pub(crate) const fn has_shapes(&self) -> bool {
+        self.shapes.is_some()
     }
 
     /// The cell of a sample.
     fn cell(&self, lookup: &Lookup, uv: Vec2) -> u32 {
-        self.words[lookup.cells as usize + lookup.lattice.cell_of(uv)]
+        self.words[lookup.cells + lookup.lattice.cell_of(uv)]
     }
 
     fn cut_by_shapes(&self, uv: Vec2) -> bool {
         let Some(lookup) = &self.shapes else { return false };
-        let uv = lookup.lattice.clamp(uv);
         match self.cell(lookup, uv) {
             cell if cell & LIST == 0 => cell & 1 == 1,
             cell => listed(&self.words[(cell >> 3) as usize..])
@@ -150,29 +156,32 @@ impl TrimGrid {
         }
     }
 
-    fn inside_loops(&self, uv: Vec2) -> bool {
-        let Some(lookup) = &self.loops else { return false };
-        let uv = lookup.lattice.clamp(uv);
+    fn cut_by_loops(&self, uv: Vec2) -> bool {
+        let Some(lookup) = &self.loops else { return self.keeps_inside };
         let mut cell = self.cell(lookup, uv);
         if cell & 7 == FINER {
             let at = (cell >> 3) as usize;
             let finer = Lattice::from_words(&self.words[at..]);
             cell = self.words[at + Lattice::WORDS + finer.cell_of(uv)];
         }
-        let inside = cell & 1 == 1;
+        let corner = cell & 1 == 1;
         if cell & LIST == 0 {
-            return inside;
+            return corner;
         }
-        listed(&self.words[(cell >> 3) as usize..]).fold(inside, |inside, reference| {
-            let piece = Piece::from_words(&self.words[(reference >> 4) as usize * PIECE_WORDS..]);
+        listed(&self.words[(cell >> 3) as usize..]).fold(corner, |is_cut, reference| {
+            let piece = Piece::from_words(&self.words[(reference >> 4) as usize * 4..]);
             let end = match reference & 3 {
                 0 => false,
                 1 => piece.low.y <= uv.y,
                 _ => piece.high.y <= uv.y,
             };
-            inside ^ piece.crosses(uv) ^ end
+            is_cut ^ piece.crosses(uv) ^ end
         })
     }
+}
+
+fn clamped(uv: Vec2) -> Vec2 {
+    uv.clamp(Vec2::ZERO, Vec2::splat(BELOW_ONE))
 }
 
 #[cfg(test)]
@@ -185,8 +194,8 @@ mod tests {
     impl TrimGrid {
         /// The decision without the grid: every piece is tested.
         fn inside_by_all_pieces(&self, uv: Vec2) -> bool {
-            self.words[..self.pieces * PIECE_WORDS]
-                .chunks_exact(PIECE_WORDS)
+            self.words[self.pieces.clone()]
+                .chunks_exact(8)
                 .fold(false, |inside, words| inside ^ Piece::from_words(words).crosses(uv))
         }
     }

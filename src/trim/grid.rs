@@ -1,7 +1,7 @@
 //! The exact method's grid over the loops of a surface: which pieces a sample must be tested
 //! against, and what is known without any.
 //!
-//! Whether a sample is inside is the parity of what a ray towards greater u crosses. Instead of
+//! Whether a sample is cut is the parity of what a ray towards greater u crosses. Instead of
 //! following it to infinity, a sample is compared with the corner of its cell at the right and
 //! below, whose parity is stored: on the way there lie only pieces that touch the cell. (Shortcuts:
 //! Nehab and Hoppe 2008; Ganacim and others 2014.)
@@ -12,24 +12,36 @@
 //!
 //! # Words
 //!
-//! The shader reads one buffer of 32-bit words: the pieces (8 words each), lists, and cells.
+//! The shader reads one buffer of 32-bit words, four of which make a texel: a header, the cells of
+//! the loops (it is compiled for their number), the pieces, then lists and finer cells, then the
+//! shapes and theirs.
+//!
+//! | word of the header | meaning |
+//! |---|---|
+//! | 0 | columns and rows of the shapes' cells |
+//! | 1 | the word where those begin |
 //!
 //! | cell | meaning |
 //! |---|---|
-//! | 0, 1 | everything in it is outside, inside |
-//! | offset · 8 + 2, 3 | a list of references there; 3 if without them the corner were inside |
-//! | offset · 8 + 4 | a finer lattice there: least u, v, scale u, v, columns, then its cells |
+//! | 0, 1 | everything in it is kept, cut |
+//! | word · 8 + 2, 3 | a list of references there; 3 if without them the corner were cut |
+//! | word · 8 + 4 | a finer lattice there: least u, v, scale u, v, columns, then its cells |
 //!
-//! A reference is piece · 16, plus 1 if the piece's lower end lies right of the cell, 2 if its upper
-//! one does, plus 4 for the last of a list, plus 8 if the piece bulges to the left of its chord.
+//! A reference is texel of the piece · 16, plus 1 if the piece's lower end lies right of the cell, 2
+//! if its upper one does, plus 4 for the last of a list, plus 8 if the piece bulges to the left of its
+//! chord.
+
+use std::ops::Range;
 
 use glam::{DVec2, Vec2};
 
 use super::lattice::{Bounds, Lattice, touched};
 use super::pieces::{Curve, Piece, split};
 
+/// Words of the header; the loops' cells begin behind it.
+pub(super) const HEADER_WORDS: usize = 4;
 /// Words of a piece.
-pub(super) const PIECE_WORDS: usize = 8;
+const PIECE_WORDS: usize = 8;
 /// Bit of a cell with a list.
 pub(super) const LIST: u32 = 2;
 /// Bit of a cell with a finer lattice.
@@ -42,7 +54,7 @@ const LEFT: u32 = 8;
 pub(super) const LONG_LIST: usize = 32;
 
 /// Cells along a side.
-const SIDES: std::ops::RangeInclusive<u32> = 18..=256;
+const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
 /// A cell with more pieces than this is cut once more.
 const CROWDED: usize = 12;
 /// Cutting pieces to the size of cells makes at most this many, or so many for each curve.
@@ -73,9 +85,11 @@ impl Reference {
         Self { piece: piece as u32, beyond }
     }
 
-    fn word(self, shape: &Piece) -> u32 {
+    /// The shader's word, where the pieces begin at a texel.
+    fn word(self, shape: &Piece, first_texel: usize) -> u32 {
         let left = if shape.bulges_left() { LEFT } else { 0 };
-        self.piece * 16 + self.beyond as u32 + left
+        let texel = first_texel as u32 + self.piece * 2;
+        texel * 16 + self.beyond as u32 + left
     }
 
     /// Whether the row of the end beyond the cell is reached at `v`.
@@ -89,34 +103,40 @@ impl Reference {
 }
 
 /// What was built.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
     pub(super) lattice: Lattice,
-    /// The word where its cells begin.
-    pub(super) cells: usize,
-    pub(super) pieces: usize,
+    /// The words of the pieces.
+    pub(super) pieces: Range<usize>,
     /// Length of the longest list of references.
     pub(super) longest: usize,
 }
 
-/// Builds the grid of closed chains of monotone curves in `words`, which is empty: first the pieces.
-/// None if nothing is inside the chains.
-pub(super) fn build(curves: &[Curve], words: &mut Vec<u32>) -> Option<Grid> {
+/// Builds the grid of closed chains of monotone curves behind the header, which is all that `words`
+/// has. What is outside of all of them is cut if `outside` says so, and from chain to chain the
+/// other way round. None if nothing is inside the chains.
+pub(super) fn build(curves: &[Curve], outside: bool, words: &mut Vec<u32>) -> Option<Grid> {
+    debug_assert_eq!(words.len(), HEADER_WORDS);
     let lattice = lattice_of(curves)?;
     let parts = cut_to_cells(curves, &lattice);
     let pieces: Vec<Piece> = parts.iter().filter_map(Piece::new).collect();
     words.reserve(pieces.len() * (PIECE_WORDS + 4) + lattice.count());
+    words.resize((HEADER_WORDS + lattice.count()).next_multiple_of(4), 0);
+    let first_piece = words.len();
     words.extend(pieces.iter().flat_map(Piece::words));
+    let end = words.len();
     let all: Vec<Reference> = (0..pieces.len() as u32)
         .map(|piece| Reference { piece, beyond: Beyond::Neither })
         .collect();
-    let mut builder = Builder { pieces: &pieces, words, longest: 0 };
-    let cells = builder.cells(&lattice, &all, false, true);
-    Some(Grid { lattice, cells, pieces: pieces.len(), longest: builder.longest })
+    let first_texel = first_piece / 4;
+    let mut builder = Builder { pieces: &pieces, first_texel, words, longest: 0 };
+    builder.fill(HEADER_WORDS, &lattice, &all, outside, true);
+    let longest = builder.longest;
+    Some(Grid { lattice, pieces: first_piece..end, longest })
 }
 
-/// The lattice over the curves: about 4 cells for each, fewer if that cut long curves into too many
-/// pieces.
+/// The lattice for so many curves: about 4 cells for each, fewer if that cut long curves into too
+/// many pieces. None if the curves hold nothing between them.
 fn lattice_of(curves: &[Curve]) -> Option<Lattice> {
     let mut least = Vec2::INFINITY;
     let mut most = Vec2::NEG_INFINITY;
@@ -128,17 +148,17 @@ fn lattice_of(curves: &[Curve]) -> Option<Lattice> {
         return None;
     }
     let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
-    let extent = (most - least).as_dvec2();
-    let mut side =
-        (2.0 * (curves.len() as f64).sqrt()).clamp((*SIDES.start()).into(), (*SIDES.end()).into());
-    let pieces_at = |side: f64| -> f64 {
-        let cells = |curve: &Curve| ((curve[3] - curve[0]).abs() / extent * side).max_element();
+    // A power of two, because programs are compiled for each.
+    let wanted = (2 * curves.len().isqrt() as u32).next_power_of_two();
+    let mut side = wanted.clamp(*SIDES.start(), *SIDES.end());
+    let pieces_at = |side: u32| -> f64 {
+        let cells = |curve: &Curve| (curve[3] - curve[0]).abs().max_element() * f64::from(side);
         curves.iter().map(|curve| cells(curve).max(1.0)).sum()
     };
-    while side > 4.0 && pieces_at(side) > budget as f64 / 2.0 {
-        side *= 0.5;
+    while side > 1 && pieces_at(side) > budget as f64 / 2.0 {
+        side /= 2;
     }
-    Some(Lattice::with_rim(least, most, side as u32))
+    Some(Lattice::of_domain(side))
 }
 
 /// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
@@ -146,8 +166,7 @@ fn lattice_of(curves: &[Curve]) -> Option<Lattice> {
 fn cut_to_cells(curves: &[Curve], lattice: &Lattice) -> Vec<Curve> {
     // Smaller pieces would be cut by rounding.
     const SMALLEST: f64 = 1e-6;
-    let extent = (lattice.most - lattice.least).as_dvec2();
-    let cell = (extent / lattice.size.as_dvec2()).max(DVec2::splat(SMALLEST));
+    let cell = DVec2::ONE / lattice.size.as_dvec2();
     let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
     let mut parts = Vec::with_capacity(curves.len());
     for curve in curves {
@@ -220,27 +239,27 @@ pub(super) fn listed(words: &[u32]) -> impl Iterator<Item = u32> {
 
 struct Builder<'a> {
     pieces: &'a [Piece],
+    first_texel: usize,
     words: &'a mut Vec<u32>,
     /// Length of the longest list.
     longest: usize,
 }
 
 impl Builder<'_> {
-    /// Appends the cells of a lattice, whose samples' parity is `base` and that of `references`
-    /// together; returns where they begin.
-    fn cells(
+    /// Fills the cells of a lattice, which begin at a word. The parity of its samples is `base` and
+    /// that of `references` together.
+    fn fill(
         &mut self,
+        first: usize,
         lattice: &Lattice,
         references: &[Reference],
         base: bool,
         may_refine: bool,
-    ) -> usize {
+    ) {
         let columns = lattice.bounds(0);
         let rows = lattice.bounds(1);
         let corners = self.corners(&columns, &rows, references, base);
         let (starts, members) = self.members(&columns, &rows, references);
-        let first = self.words.len();
-        self.words.resize(first + lattice.count(), 0);
         for (cell, range) in starts.windows(2).enumerate() {
             let corner = Vec2::new(columns[cell % columns.len()][1], rows[cell / columns.len()][0]);
             let listed = &members[range[0] as usize..range[1] as usize];
@@ -251,14 +270,13 @@ impl Builder<'_> {
                 self.list(listed, corners[cell], corner, bounds, may_refine)
             };
         }
-        first
     }
 
     /// Appends what a cell with pieces needs, and returns its word.
     fn list(
         &mut self,
         listed: &[u32],
-        corner_inside: bool,
+        corner_cut: bool,
         corner: Vec2,
         [[left, right], [bottom, top]]: [Bounds; 2],
         may_refine: bool,
@@ -268,24 +286,25 @@ impl Builder<'_> {
             .map(|piece| Reference::new(*piece as usize, &self.pieces[*piece as usize], right))
             .collect();
         // Such that the corner itself comes out right.
-        let base = references.iter().fold(corner_inside, |inside, reference| {
+        let base = references.iter().fold(corner_cut, |cut, reference| {
             let piece = &self.pieces[reference.piece as usize];
-            inside ^ piece.crosses(corner) ^ reference.end_reached(piece, corner.y)
+            cut ^ piece.crosses(corner) ^ reference.end_reached(piece, corner.y)
         });
         if may_refine && references.len() > CROWDED {
             let finer = self.finer(&references, Vec2::new(left, bottom), Vec2::new(right, top));
             if finer.count() > 1 {
                 let header = self.words.len();
                 self.words.extend(finer.words());
-                self.cells(&finer, &references, base, false);
+                let first = self.words.len();
+                self.words.resize(first + finer.count(), 0);
+                self.fill(first, &finer, &references, base, false);
                 return header as u32 * 8 + FINER;
             }
         }
         let list = self.words.len();
         self.longest = self.longest.max(references.len());
-        let words = references
-            .iter()
-            .map(|reference| reference.word(&self.pieces[reference.piece as usize]));
+        let words =
+            references.iter().map(|r| r.word(&self.pieces[r.piece as usize], self.first_texel));
         push_list(self.words, words);
         list as u32 * 8 + LIST + u32::from(base)
     }
@@ -310,7 +329,7 @@ impl Builder<'_> {
         Lattice::new(least, most, side)
     }
 
-    /// Whether the corner of each cell, at its right and its bottom, is inside.
+    /// Whether the corner of each cell, at its right and its bottom, is cut.
     fn corners(
         &self,
         columns: &[Bounds],
@@ -350,13 +369,13 @@ impl Builder<'_> {
             }
         }
         let mut corners = Vec::with_capacity(width * rows.len());
-        let mut row_inside = base;
+        let mut row_cut = base;
         for row in 0..rows.len() {
-            row_inside ^= row_turns[row];
-            let mut inside = row_inside;
+            row_cut ^= row_turns[row];
+            let mut cut = row_cut;
             for column in 0..width {
-                inside ^= turns[row * (width + 1) + column];
-                corners.push(inside);
+                cut ^= turns[row * (width + 1) + column];
+                corners.push(cut);
             }
         }
         corners
@@ -406,7 +425,7 @@ mod tests {
     /// The bounds of every cell that can be looked up, finer ones too, and the pieces it lists.
     fn cells(grid: &Grid, words: &[u32]) -> Vec<([Bounds; 2], Vec<usize>)> {
         let mut found = Vec::new();
-        let mut lattices = vec![(grid.lattice, grid.cells)];
+        let mut lattices = vec![(grid.lattice, HEADER_WORDS)];
         while let Some((lattice, first)) = lattices.pop() {
             let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
             for cell in 0..lattice.count() {
@@ -421,7 +440,9 @@ mod tests {
                     assert_eq!(finer.words(), words[at..at + Lattice::WORDS]);
                     lattices.push((finer, at + Lattice::WORDS));
                 } else if word & LIST != 0 {
-                    let pieces = listed(&words[at..]).map(|word| (word >> 4) as usize).collect();
+                    let piece =
+                        |word: u32| ((word >> 4) as usize * 4 - grid.pieces.start) / PIECE_WORDS;
+                    let pieces = listed(&words[at..]).map(piece).collect();
                     found.push((bounds, pieces));
                 } else {
                     found.push((bounds, Vec::new()));
@@ -455,10 +476,10 @@ mod tests {
     }
 
     fn check(loops: &[TrimLoop], rows: &[f32]) {
-        let mut words = Vec::new();
-        let Some(grid) = build(&monotone_curves(loops), &mut words) else { return };
+        let mut words = vec![0; HEADER_WORDS];
+        let Some(grid) = build(&monotone_curves(loops), false, &mut words) else { return };
         let pieces: Vec<Piece> =
-            words.chunks_exact(PIECE_WORDS).take(grid.pieces).map(Piece::from_words).collect();
+            words[grid.pieces.clone()].chunks_exact(PIECE_WORDS).map(Piece::from_words).collect();
         for (bounds, listed) in cells(&grid, &words) {
             let mut is_listed = vec![false; pieces.len()];
             for piece in listed {
@@ -492,9 +513,9 @@ mod tests {
             (0.9, -0.1),
             (0.1, -0.1),
         ]));
-        let mut words = Vec::new();
-        let grid = build(&monotone_curves(&loops), &mut words).unwrap();
-        let cells = &words[grid.cells..][..grid.lattice.count()];
+        let mut words = vec![0; HEADER_WORDS];
+        let grid = build(&monotone_curves(&loops), false, &mut words).unwrap();
+        let cells = &words[HEADER_WORDS..][..grid.lattice.count()];
         assert!(cells.iter().any(|cell| cell & 7 == FINER));
         check(&loops, &[0.5, 0.505]);
     }
@@ -502,10 +523,10 @@ mod tests {
     #[test]
     fn ten_thousand_spread_segments_take_less_than_200_bytes_each() {
         let loops = lenses(71, 1.0 / 71.0, 0.0);
-        let mut words = Vec::new();
-        let grid = build(&monotone_curves(&loops), &mut words).unwrap();
+        let mut words = vec![0; HEADER_WORDS];
+        let grid = build(&monotone_curves(&loops), false, &mut words).unwrap();
         let segments = 2 * loops.len();
-        assert!(segments >= 10_000 && grid.pieces >= segments);
+        assert!(segments >= 10_000 && grid.pieces.len() >= PIECE_WORDS * segments);
         assert!(4 * words.len() <= 200 * segments, "{} bytes", 4 * words.len());
     }
 
@@ -516,8 +537,8 @@ mod tests {
                 (f64::from(i * 7919 % 10_007) / 10_007.0, f64::from(i * 104_729 % 9973) / 9973.0)
             })
             .collect();
-        let mut words = Vec::new();
-        let grid = build(&monotone_curves(&[chain(&points)]), &mut words).unwrap();
+        let mut words = vec![0; HEADER_WORDS];
+        let grid = build(&monotone_curves(&[chain(&points)]), false, &mut words).unwrap();
         assert!(4 * words.len() < 400 << 20, "{} MiB", words.len() >> 18);
         assert!(grid.longest > LONG_LIST);
     }
@@ -527,7 +548,10 @@ mod tests {
         let level = [(0.2, 0.5), (0.4, 0.5), (0.6, 0.5), (0.8, 0.5), (0.6, 0.5), (0.4, 0.5)];
         let outside = level.map(|(u, v)| (u + 2.0, v * 3.0 * u));
         for points in [level, level.map(|(u, v)| (v, u)), outside] {
-            assert_eq!(build(&monotone_curves(&[chain(&points)]), &mut Vec::new()), None);
+            assert_eq!(
+                build(&monotone_curves(&[chain(&points)]), false, &mut vec![0; HEADER_WORDS]),
+                None
+            );
         }
     }
 

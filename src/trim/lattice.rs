@@ -19,13 +19,9 @@ pub(crate) struct Lattice {
 pub(super) type Bounds = [f32; 2];
 
 impl Lattice {
-    /// The lattice over what lies in the domain between two corners, with a rim of cells around it
-    /// that hold nothing; samples outside are looked up there. At the border of the domain there is
-    /// no rim.
-    pub(super) fn with_rim(least: Vec2, most: Vec2, side: u32) -> Self {
-        // A little more than the rim's cells, because of rounding; and never without width.
-        let rim = (most - least).max(Vec2::splat(1e-6)) * (1.1 / (side - 2) as f32);
-        Self::new((least - rim).max(Vec2::ZERO), (most + rim).min(Vec2::ONE), side)
+    /// The lattice over the domain: the shader needs to know no more than how many columns it has.
+    pub(super) fn of_domain(side: u32) -> Self {
+        Self::new(Vec2::ZERO, Vec2::ONE, side)
     }
 
     pub(super) fn new(least: Vec2, most: Vec2, side: u32) -> Self {
@@ -61,17 +57,6 @@ impl Lattice {
 
     pub(super) fn count(&self) -> usize {
         (self.size.x * self.size.y) as usize
-    }
-
-    /// The sample of the lattice that is nearest to `uv`.
-    pub(super) fn clamp(&self, uv: Vec2) -> Vec2 {
-        let [least, most] = self.sample_box();
-        uv.clamp(least, most)
-    }
-
-    /// Least and greatest samples.
-    pub(crate) fn sample_box(&self) -> [Vec2; 2] {
-        [self.least, Vec2::new(self.most.x.next_down(), self.most.y.next_down())]
     }
 
     /// Column and row of a sample in the box: twin of `cellOf` in `glsl/common/trim.glsl`.

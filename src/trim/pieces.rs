@@ -70,7 +70,7 @@ impl Piece {
         cross(self.high - self.low, first - last) > 0.0
     }
 
-    /// Whether the ray from `uv` towards greater u crosses the piece: twin of what `insideLoops` in
+    /// Whether the ray from `uv` towards greater u crosses the piece: twin of what `cutByLoops` in
     /// `glsl/common/trim.glsl` does with one piece, bit for bit.
     ///
     /// The half-open test of the row and the box decide topology on stored bits alone. In the box

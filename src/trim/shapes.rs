@@ -11,7 +11,7 @@ use super::{Circle, Ellipse, Interval, Trims};
 pub(super) const SHAPE_WORDS: usize = 8;
 
 /// Cells along a side.
-const SIDES: std::ops::RangeInclusive<u32> = 18..=256;
+const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
 /// Cells that all shapes together may touch: so many each, and at least `MOST_CELLS`.
 const MOST_CELLS_PER_SHAPE: f64 = 16.0;
 const MOST_CELLS: f64 = 65_536.0;
@@ -119,19 +119,10 @@ pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(Lattice, usi
     for shape in &shapes {
         words.extend(shape.words());
     }
-    let [least, most] = shapes
-        .iter()
-        .map(Shape::extent)
-        .fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[least, most], [low, high]| {
-            [least.min(low), most.max(high)]
-        });
-    let least = (least - MARGIN).max(DVec2::ZERO);
-    let most = (most + MARGIN).min(DVec2::ONE);
-    if least.cmpge(most).any() {
+    if shapes.is_empty() {
         return None;
     }
-    let side = side_for(&shapes, most - least);
-    let lattice = Lattice::with_rim(least.as_vec2(), most.as_vec2(), side);
+    let lattice = Lattice::of_domain(side_for(&shapes));
     let cells = words.len();
     words.resize(cells + lattice.count(), 0);
     fill(&shapes, &lattice, first, cells, words);
@@ -151,12 +142,12 @@ fn shapes_of(trims: &Trims) -> Vec<Shape> {
         .collect()
 }
 
-fn side_for(shapes: &[Shape], extent: DVec2) -> u32 {
+fn side_for(shapes: &[Shape]) -> u32 {
     let count = shapes.len() as f64;
     let cells_at = |side: f64| -> f64 {
         let cells = |shape: &Shape| {
             let [low, high] = shape.extent();
-            let size = ((high - low) / extent).min(DVec2::ONE) * side + 1.0;
+            let size = (high.min(DVec2::ONE) - low.max(DVec2::ZERO)).max(DVec2::ZERO) * side + 1.0;
             size.x * size.y
         };
         shapes.iter().map(cells).sum()

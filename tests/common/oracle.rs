@@ -49,7 +49,7 @@ pub fn changes_within(trims: &Trims, uv: DVec2, radius: f64) -> bool {
 /// `decided` has the samples of one row after the other, of rows `v`s and columns `u`s.
 pub fn count_wrong(trims: &Trims, us: &[f64], vs: &[f64], decided: &[bool]) -> usize {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let band = vs.len().div_ceil(threads);
+    let band = vs.len().div_ceil(threads).max(1);
     std::thread::scope(|scope| {
         let bands: Vec<_> = vs
             .chunks(band)
