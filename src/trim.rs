@@ -234,7 +234,8 @@ impl TrimLoop {
         }
         for (i, segment) in segments.iter().enumerate() {
             for point in segment.points() {
-                check_finite(&format!("a point of segment {i}"), *point)?;
+                check_finite("a point", *point)
+                    .map_err(|error| error.within(format!("segment {i}")))?;
             }
         }
         let count = segments.len();

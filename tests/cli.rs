@@ -128,6 +128,43 @@ fn flags_win_over_the_scene() {
 }
 
 #[test]
+fn samples_smooth_edges_and_the_method_can_be_chosen() {
+    let folder = Folder::new();
+    let camera = "camera = { eye = [0, 2, 0], target = [0, 0, 0], up = [0, 0, -1], orthographic_height = 1.3 }";
+    let trim = "[[surface.trim]]\npath = \"M.2 .2 L.8 .3 .4 .8Z\"";
+    let patch =
+        "[[surface]]\ncontrol_points = \"default\"\nshading = \"flat\"\ncolor = [1, 0.5, 0]";
+    folder.write(
+        "a.toml",
+        format!("{camera}\nrender = {{ background = [0, 0, 1, 0] }}\n{patch}\n{trim}"),
+    );
+    let picture = |samples: &str| {
+        let flags = ["--samples", samples, "--resolution", "80x60"];
+        let output = folder.run(&[&["render", "a.toml", "-o", "a.png"], &flags[..]].concat());
+        assert!(output.status.success(), "{output:?}");
+        image::open(folder.path("a.png")).unwrap().into_rgba8()
+    };
+    for (samples, least) in [("1", 0), ("4", 40), ("16", 80), ("64", 100)] {
+        let image = picture(samples);
+        let partly: Vec<_> =
+            image.pixels().filter(|pixel| !matches!(pixel.0[3], 0 | 255)).collect();
+        assert!(partly.len() >= least && (least > 0 || partly.is_empty()), "{samples}");
+        // What is partly covered keeps the colour of what covers it.
+        for pixel in partly {
+            let [red, green, blue, _] = pixel.0;
+            assert!(red > 245 && (118..140).contains(&green) && blue < 10, "{pixel:?}");
+        }
+    }
+    let words = ["a.toml", "line, line", "two quadratics or two cubics"];
+    refused(&folder, &["a.toml", "--method", "thesis"], 1, &words);
+    let inside = format!(
+        "{patch}\nkeep = \"inside\"\n[[surface.trim]]\nloop = [[[0.2, 0.5], [0.5, 0.9], [0.8, 0.5]], [[0.8, 0.5], [0.5, 0.1], [0.2, 0.5]]]"
+    );
+    folder.write("b.toml", inside);
+    refused(&folder, &["b.toml", "--method", "thesis"], 1, &["b.toml", "keep is \"inside\""]);
+}
+
+#[test]
 fn verbose_tells_the_parts_of_the_time() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
@@ -218,7 +255,23 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
         ("[render]\nbackground = [0, 0, 2, 1]".into(), &[":2:", "background", "0 to 1"]),
         ("[render]\nnewton = { iterations = 0 }".into(), &[":2:", "iterations is 0", "1 to 1000"]),
         ("[render]\nmethod = \"magic\"".into(), &[":2:", "magic", "thesis"]),
+        ("[render]\nsamples = 3".into(), &[":2:", "samples is 3", "1, 2, 4"]),
         ("[render\n".into(), &[":1:"]),
+        (
+            surface("control_points = \"default\"\nkeep = \"inside\""),
+            &[":1:", "keep is \"inside\" without a loop"],
+        ),
+        (surface("control_points = \"default\"\nkeep = \"both\""), &[":3:", "both", "inside"]),
+        (
+            surface("control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 L1 1\""),
+            &[":3:", "loop 0", "segment 0", "gap"],
+        ),
+        (
+            surface(
+                "control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z M0 0Z\"",
+            ),
+            &[":5:", "loop 2: loop is empty"],
+        ),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]".into(), &[":1:", "camera eye"]),
         (surface("control_points = \"defualt\""), &[":2:", "default"]),
         (surface(&format!("control_points = [{}]", points(15))), &[":2:", "is 15", "16 (4×4)"]),
@@ -319,6 +372,10 @@ fn wrong_usage_is_status_2_and_says_what_was_expected() {
         let flag = format!("--resolution={resolution}");
         refused(&folder, &["a.toml", &flag], 2, &["--resolution", "WIDTHxHEIGHT"]);
     }
+    for samples in ["0", "3", "512", "-4", "four"] {
+        refused(&folder, &["a.toml", "--samples", samples], 2, &["--samples", "1, 2, 4"]);
+    }
+    refused(&folder, &["a.toml", "--method", "magic"], 2, &["--method", "exact or thesis"]);
     refused(&folder, &["a.toml", "--backend", "vulkan"], 2, &["auto, egl or osmesa"]);
     refused(&folder, &[], 2, &["SCENE"]);
     refused(&folder, &["a.toml", "--colour"], 2, &["--colour"]);

@@ -3,9 +3,12 @@
 
 mod common;
 
+use std::num::NonZeroU32;
+
 use freeform_surface::gpu::Program;
 use freeform_surface::renderer::programs::{
-    Pipeline, ProgramKey, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, location,
+    Pipeline, ProgramKey, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT,
+    TrimFeatures, location,
 };
 use freeform_surface::{Degree, Error, Headless, Shading};
 use glow::HasContext as _;
@@ -162,6 +165,38 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
         ] {
             let key = ProgramKey { pipeline, shading, trims };
             Sources::default().link(context.gl(), key).unwrap_or_else(|e| panic!("{key:?}: {e}"));
+        }
+    }
+}
+
+/// The exact program compiles with every set of features, for one sample and for four.
+#[test]
+fn the_exact_program_compiles_for_all_it_may_have() {
+    let context = Checked::new(backends()[0]);
+    for bits in 0..16 {
+        let has = |bit: u32| bits >> bit & 1 == 1;
+        let trims = TrimFeatures {
+            loop_columns: has(0).then_some(NonZeroU32::new(64).unwrap()),
+            finer_loops: has(1),
+            long_lists: has(2),
+            shape_grid: has(3),
+            ..TrimFeatures::NONE
+        };
+        for (degree, samples, shading) in [
+            (Degree::Cubic, 1, Shading::Phong),
+            (Degree::Quartic, 4, Shading::Normals),
+            (Degree::Cubic, 4, Shading::Unlit),
+        ] {
+            let pipeline = Pipeline::Exact { degree, samples };
+            let key = ProgramKey { pipeline, shading, trims };
+            let program = Sources::default()
+                .link(context.gl(), key)
+                .unwrap_or_else(|error| panic!("{key:?}: {error}"));
+            let unit = |name: &str| program.uniform_i32(name);
+            let words = (has(0) || has(3)).then_some(TRIM_WORDS_UNIT as i32);
+            assert_eq!(unit("trimWords"), words, "{key:?}");
+            assert_eq!(unit("trimPoints"), words.map(|unit| unit + 1), "{key:?}");
+            assert_eq!(program.uniform_location("tessLevel"), Some(location::TESS_LEVEL));
         }
     }
 }

@@ -6,7 +6,8 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use freeform_surface::{Degree, Scene};
+use freeform_surface::{Degree, Scene, TrimGrid, TrimLoop, Trims};
+use glam::vec2;
 use proptest::prelude::*;
 
 static NOW: AtomicUsize = AtomicUsize::new(0);
@@ -79,6 +80,15 @@ ellipse = { center = [0.5, 0.5], radii = [0.2, 0.1] }
 loop = [[[0.2, 0.5], [0.5, 0.9], [0.8, 0.5]], [[0.8, 0.5], [0.5, 0.1], [0.2, 0.5]]]
 "#;
 
+const TRIMMED: &str = r#"
+render = { method = "exact", samples = 4 }
+[[surface]]
+control_points = "default"
+keep = "inside"
+[[surface.trim]]
+path = "M0 0H1V1H0Z m.2 .2 l.1 0 q.1.1 0 .2 t-.1 0z M.5.5c.1 0 .2.1.2.2s-.1.2-.2 0A.1.2 30 0 1 .5.5Z"
+"#;
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -109,6 +119,30 @@ proptest! {
         let _turn = TURN.lock();
         let end = (start + length).min(SCENE.len());
         parse(&format!("{}{piece}{}", &SCENE[..start], &SCENE[end..]));
+    }
+
+    #[test]
+    fn a_path_with_a_piece_replaced_gets_an_answer(
+        start in 0..TRIMMED.len(), length in 0usize..30, piece in "[-+.0-9a-zA-Z\", \n]{0,12}"
+    ) {
+        let _turn = TURN.lock();
+        let end = (start + length).min(TRIMMED.len());
+        parse(&format!("{}{piece}{}", &TRIMMED[..start], &TRIMMED[end..]));
+    }
+
+    #[test]
+    fn any_path_gets_an_answer(data in "[MmLlHhVvQqTtCcSsAaZz0-9.e, -]{0,80}|\\PC{0,60}") {
+        let _turn = TURN.lock();
+        let mut trims = Trims::default();
+        match TrimLoop::from_svg_path(&data) {
+            Ok(loops) => {
+                assert!(!loops.is_empty());
+                trims.loops = loops;
+                // Whatever was read can be compiled and asked.
+                let _ = TrimGrid::new(&trims).cut(vec2(0.5, 0.5));
+            }
+            Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
+        }
     }
 
     #[test]
@@ -157,6 +191,11 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
     let numbered = |before: &str, after: &str| -> String {
         (0..20_000).map(|i| format!("{before}{i:05}{after}")).collect()
     };
+    let in_path = |commands: &str| {
+        format!(
+            "[[surface]]\ncontrol_points=\"default\"\n[[surface.trim]]\npath=\"M0 0{commands}z\"\n"
+        )
+    };
     let mut most = 0;
     for (name, text) in [
         ("numbers", filled("1 ")),
@@ -185,6 +224,12 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         ("keys", (0..MIB / 10).map(|i| format!("k{i:06}=1\n")).collect()),
         ("dots", format!("{}=1", filled("a."))),
         ("a quote in quotes", format!("trim=['\"',{}]", filled("{a={}},"))),
+        ("strings", in_surfaces(&format!("trim=[{}]\n", "\"\",".repeat(60_000)))),
+        ("longer strings", in_surfaces(&format!("trim=[{}]\n", "\"xxxxxxxx\",".repeat(18_000)))),
+        ("keys in quotes", in_surfaces(&numbered("\"", "\"=1\n"))),
+        ("one path", in_path(&"h1".repeat(MIB / 2 - 100))),
+        ("a path of curves", in_path(&"t1 1".repeat(MIB / 4 - 100))),
+        ("many subpaths", in_path(&"zh1".repeat(MIB / 3 - 100))),
         ("a string", format!("surface = \"{}\"", filled("x"))),
         ("comments", filled("#\n")),
     ] {
@@ -195,6 +240,12 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         most = most.max(toml).max(bpt);
     }
     assert!(most <= 64 * MIB, "{most} bytes");
+    // An arc is up to 20 cubics, which are more than its text.
+    for arc in ["a9 9 0 1 1 1 9", "a9e14 9e14 0 1 1 9 9e14"] {
+        let text = in_path(&arc.repeat(MIB / arc.len() - 100));
+        let arcs = most_memory(|| drop(Scene::from_toml(&text, Path::new("x.toml"))));
+        assert!(arcs <= 160 * MIB, "{arc}: {arcs} bytes");
+    }
 }
 
 #[test]

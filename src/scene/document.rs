@@ -180,10 +180,11 @@ impl<'de> Deserialize<'de> for ControlPoint {
     }
 }
 
-/// The most bytes of one `[[surface]]` with its trims, not counting what stands in quotes. The toml
-/// crate takes up to 250 times as much memory; a control net that is larger has its place in a .bpt
-/// file, a long trim in a `path`.
+/// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond
+/// `MAX_STRING_BYTES`. The toml crate takes up to 250 times as much memory; a control net that is
+/// larger has its place in a .bpt file, a long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
+const MAX_STRING_BYTES: usize = 64;
 
 /// Parses a scene; `path` is for the errors and for the folder of the files it names.
 ///
@@ -237,25 +238,24 @@ fn chunks(text: &str) -> Vec<Range<usize>> {
     std::iter::zip(starts.iter().copied(), ends).map(|(start, end)| start..end).collect()
 }
 
-/// The bytes of a TOML text less those inside its strings.
-fn bytes_outside_quotes(text: &str) -> usize {
+/// The bytes of a TOML text, of its strings no more than the first ones.
+fn bytes_that_count(text: &str) -> usize {
     let mut rest = text;
-    let mut outside = 0;
+    let mut count = 0;
     while let Some(start) = rest.find(['"', '\'', '#']) {
-        outside += start;
         rest = &rest[start..];
         let quote = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|quote| rest.starts_with(quote));
-        rest = match quote {
+        let (length, most) = match quote {
             // A comment.
-            None => {
-                let end = rest.find('\n').unwrap_or(rest.len());
-                outside += end;
-                &rest[end..]
+            None => (rest.find('\n').unwrap_or(rest.len()), usize::MAX),
+            Some(quote) => {
+                (quote.len() + length_of_string(&rest[quote.len()..], quote), MAX_STRING_BYTES)
             }
-            Some(quote) => &rest[quote.len() + length_of_string(&rest[quote.len()..], quote)..],
         };
+        count += start + length.min(most);
+        rest = &rest[length..];
     }
-    outside + rest.len()
+    count + rest.len()
 }
 
 /// The length of a string up to and with its closing quote; without one, of its line or of the rest.
@@ -302,14 +302,14 @@ impl Builder<'_> {
     }
 
     fn document(&self, chunk: &str) -> Result<Document> {
-        let size = bytes_outside_quotes(chunk);
+        let size = bytes_that_count(chunk);
         if size > MAX_SURFACE_BYTES {
             return Err(self.at(
                 0,
                 format!(
-                    "{size} bytes up to the next [[surface]], without those in quotes; expected at \
-                     most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file, a long \
-                     trim in a path"
+                    "{size} bytes up to the next [[surface]], without those of long strings; \
+                     expected at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt \
+                     file, a long trim in a path"
                 ),
             ));
         }
@@ -402,9 +402,12 @@ impl Builder<'_> {
                 Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
             return Err(self.at(start, borderless));
         }
-        for surface in &mut surfaces {
+        // Trims may be large: one surface takes them as they are.
+        let (first, others) = surfaces.split_first_mut().expect("a file has a patch");
+        for surface in others {
             surface.trims = trims.clone();
         }
+        first.trims = trims;
         Ok((surfaces, loop_places))
     }
 
@@ -554,17 +557,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strings_do_not_count_and_comments_do() {
-        for (text, outside) in [
+    fn only_long_strings_do_not_count() {
+        let long = "x".repeat(1000);
+        let [basic, literal] = [format!("a = \"{long}\""), format!("a = '{long}'")];
+        let lines = format!("p = \"\"\"\n1 \"2\" \\\"\"\" {long}\n\"\"\"\nb = 1");
+        for (text, count) in [
             ("a = 1", 5),
-            ("a = \"12345\"", 4),
-            ("a = \"1\\\"2\" # \"x\"\n", 4 + 7),
-            ("a = \'\\\' # \'\nb = 1", 4 + 10),
-            ("p = \"\"\"\n1 \"2\" \\\"\"\" 3\n\"\"\"\nb = 1", 4 + 6),
-            ("p = '''\n1\\'''\nb", 4 + 2),
-            ("a = \"never closed\nb = \"2\"", 4 + 5),
+            ("a = \"12345\" # \"x\"\n", 18),
+            (&basic, 4 + 64),
+            (&literal, 4 + 64),
+            (&format!("a = \"\\\"{long}\"\nb = 1"), 4 + 64 + 6),
+            (&format!("# '{long}"), 1003),
+            (&lines, 4 + 64 + 6),
+            (&format!("a = \"{long}\nb = \"2\""), 4 + 64 + 8),
         ] {
-            assert_eq!(bytes_outside_quotes(text), outside, "{text}");
+            assert_eq!(bytes_that_count(text), count, "{text}");
         }
     }
 }

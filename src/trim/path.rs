@@ -10,7 +10,8 @@ use svgtypes::{PathParser, PathSegment};
 use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_finite};
 use crate::{Error, Result};
 
-/// How far the cubics of an arc are from it at most, in the unit of the domain.
+/// How far the cubics of an arc are from it at most, in the unit of the domain, or of the radius
+/// where that is larger.
 const ARC_TOLERANCE: f64 = 1e-8;
 
 impl Trims {
@@ -34,7 +35,7 @@ impl Trims {
 
 impl TrimLoop {
     /// The loops of SVG path data in (u, v): every command of SVG, absolute and relative. Arcs become
-    /// cubics that are off by 1e-8 of the domain at most. Each subpath is a loop and must end where
+    /// cubics that are off by 1e-8 of the domain at most (of the radius, if that is above 1). Each subpath is a loop and must end where
     /// it began, by itself or by `Z`.
     ///
     /// # Errors
@@ -47,7 +48,7 @@ impl TrimLoop {
 
 /// Reads the loops of a path, of which the first has the number `first` in the errors.
 fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
-    let mut reader = Reader { first, ..Reader::default() };
+    let mut reader = Reader { first, sizes: sizes(data)?, ..Reader::default() };
     for segment in PathParser::from(data) {
         reader.take(segment.map_err(|error| unreadable(data, &error))?)?;
     }
@@ -56,6 +57,23 @@ fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
         return Err(Error::invalid("path", "empty", "at least one closed subpath"));
     }
     Ok(reader.loops)
+}
+
+/// How many commands each subpath has, so that memory can be taken once.
+fn sizes(data: &str) -> Result<Vec<usize>> {
+    let mut sizes = Vec::new();
+    let mut open = false;
+    for segment in PathParser::from(data) {
+        let segment = segment.map_err(|error| unreadable(data, &error))?;
+        if !open || matches!(segment, PathSegment::MoveTo { .. }) {
+            sizes.push(0);
+        }
+        open = !matches!(segment, PathSegment::ClosePath { .. });
+        if let Some(size) = sizes.last_mut() {
+            *size += 1;
+        }
+    }
+    Ok(sizes)
 }
 
 fn unreadable(data: &str, error: &svgtypes::Error) -> Error {
@@ -69,6 +87,7 @@ fn unreadable(data: &str, error: &svgtypes::Error) -> Error {
 #[derive(Default)]
 struct Reader {
     first: usize,
+    sizes: Vec<usize>,
     loops: Vec<TrimLoop>,
     segments: Vec<Segment>,
     start: DVec2,
@@ -144,6 +163,9 @@ impl Reader {
     }
 
     fn push(&mut self, segment: Segment) {
+        if self.segments.is_empty() {
+            self.segments.reserve_exact(self.sizes.get(self.loops.len()).copied().unwrap_or(1));
+        }
         self.current = segment.end();
         self.segments.push(segment);
         self.open = true;
@@ -182,12 +204,16 @@ impl Reader {
             sweep: flags[1],
         };
         // Without a radius or a length it is a line, as SVG wants it.
-        let cubics = Arc::from_svg_arc(&svg_arc).into_iter();
-        for element in cubics.flat_map(|arc| arc.append_iter(ARC_TOLERANCE)) {
-            if let PathEl::CurveTo(a, b, c) = element {
-                let [a, b, c] = [a, b, c].map(|p| DVec2::new(p.x, p.y));
-                self.cubic(a, b, c);
+        if let Some(arc) = Arc::from_svg_arc(&svg_arc) {
+            let tolerance = ARC_TOLERANCE * arc.radii.x.max(arc.radii.y).max(1.0);
+            for element in arc.append_iter(tolerance) {
+                if let PathEl::CurveTo(a, b, c) = element {
+                    let [a, b, c] = [a, b, c].map(|p| DVec2::new(p.x, p.y));
+                    self.cubic(a, b, c);
+                }
             }
+            // Few letters make many cubics.
+            check_count(self.first + self.loops.len(), self.segments.len(), 0)?;
         }
         match self.segments[number..].last_mut() {
             Some(Segment::Cubic(points)) => points[3] = to,
