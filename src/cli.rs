@@ -171,6 +171,9 @@ fn default_scene() -> Result<(), Error> {
     say("\nNext:")?;
     if Path::new("resources/scenes/thesis").is_dir() {
         say(format_args!(
+            "  {freeform} render resources/scenes/gallery/*.toml -o out/  lettering, a gear, lace"
+        ))?;
+        say(format_args!(
             "  {freeform} render resources/scenes/thesis/*.toml -o out/   the figures of the thesis"
         ))?;
         say(format_args!(

@@ -2,9 +2,11 @@
 //!
 //! The crate is a port of a thesis' `FreeFormSurface` class (Schank, *Rendering von
 //! Freiformflächen*, Koblenz 2018): patches of 4×4 control points, cut by circles, intervals,
-//! ellipses and Bézier curves in the fragment stage; and of a report's renderer of 5×5 points. With
-//! it come headless contexts, a scene format, and a renderer on the CPU in `f64` that tells whether
-//! the GPU's pictures are right ([`mod@reference`]).
+//! ellipses and Bézier curves in the fragment stage; and of a report's renderer of 5×5 points.
+//! Beside that [`Method::Thesis`] stands [`Method::Exact`], the default: any trims at all, decided
+//! right at every sample through a [`TrimGrid`]. With them come headless contexts, a scene format, and
+//! a renderer on the CPU in `f64` that tells whether the GPU's pictures are right
+//! ([`mod@reference`]).
 //!
 //! With the feature `headless`:
 //!

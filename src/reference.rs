@@ -219,7 +219,7 @@ impl<'a> SurfaceView<'a> {
         })
     }
 
-    /// Whether the report's program draws it, as `renderer::programs::Pipeline::of` decides.
+    /// Whether the report's program draws it, as `renderer::programs::Pipeline::ported` decides.
     fn is_report(&self) -> bool {
         self.method == Method::Thesis
             && self.surface.degree() == crate::Degree::Quartic

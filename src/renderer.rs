@@ -17,9 +17,9 @@ pub use smooth::sample_offsets;
 
 use crate::camera::Projection;
 use crate::gpu::{Buffer, Program, VertexArray, check_version, samples_of_target};
-use crate::surface::{ExactTrims, ThesisTrims, UploadedTrims};
+use crate::surface::{ExactTrims, ThesisTrims};
 use crate::tessellation::{Parts, batches};
-use crate::{Degree, FreeFormSurface, RenderSettings, Result, Shading};
+use crate::{Degree, FreeFormSurface, Method, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
 pub const CONTROL_POINT_PX: f32 = 7.0;
@@ -39,7 +39,8 @@ pub struct Frame {
 ///
 /// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
 /// rasterizer discard or program point size; filled polygons; the patch size; the textures of units
-/// 0, 1 and 2 and the sampler of unit 0; the storage buffers 1 and 2; no program and no vertex array. Uploading a picture sets
+/// 0, 1 and 2 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no
+/// buffer texture. Uploading a picture sets
 /// plain pixel transfers. All other state is the caller's and holds for what is drawn: framebuffer,
 /// viewport, scissor, colour mask and logic operation, depth range and clip control, polygon offset,
 /// sample masks, sRGB conversion, the width of lines.
@@ -119,10 +120,11 @@ impl Renderer {
     /// method cannot cut.
     pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<()> {
         surface.upload_trims(&self.gl, frame.settings.method, frame.settings.level)?;
-        match surface.uploaded_trims() {
-            Some(UploadedTrims::Thesis(trims)) => self.draw_ported(surface, trims, frame),
-            Some(UploadedTrims::Exact(trims)) => self.draw_exact(surface, trims, frame),
-            None => Ok(()),
+        let uploaded = surface.uploaded_trims();
+        match (frame.settings.method, &uploaded.thesis, &uploaded.exact) {
+            (Method::Thesis, Some(trims), _) => self.draw_ported(surface, trims, frame),
+            (Method::Exact, _, Some(trims)) => self.draw_exact(surface, trims, frame),
+            _ => Ok(()),
         }
     }
 
@@ -183,13 +185,14 @@ impl Renderer {
         let pipeline = Pipeline::Exact { degree, samples: samples_of_target(&self.gl) };
         let kept = (TrimFeatures::NONE, 0..parts.kept);
         let trimmed = (trims.features(), parts.kept..parts.kept + parts.trimmed);
-        for (features, instances) in [kept, trimmed] {
-            if instances.is_empty() {
-                continue;
-            }
-            let key = ProgramKey { pipeline, shading: surface.shading(), trims: features };
-            self.program(key)?;
-            let program = &self.programs[&key];
+        let key = |features| ProgramKey { pipeline, shading: surface.shading(), trims: features };
+        let passes = [kept, trimmed].into_iter().filter(|(_, instances)| !instances.is_empty());
+        // Before anything is bound: a program may be refused.
+        for (features, _) in passes.clone() {
+            self.program(key(features))?;
+        }
+        for (features, instances) in passes {
+            let program = &self.programs[&key(features)];
             program.bind();
             set_matrices(program, surface.model_matrix(), &frame.projection);
             program.set_f32(location::TESS_LEVEL, parts.level as f32);

@@ -27,8 +27,7 @@ pub struct FreeFormSurface {
     surface: Surface,
     control_points: Buffer,
     texture: Arc<Texture>,
-    /// None while there are none that are up to date.
-    uploaded_trims: Option<UploadedTrims>,
+    uploaded_trims: UploadedTrims,
 }
 
 impl FreeFormSurface {
@@ -74,7 +73,7 @@ impl FreeFormSurface {
         let points: Vec<Vec4> =
             surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
         let control_points = Buffer::new(renderer.gl(), "control points", &points)?;
-        Ok(Self { surface, control_points, texture, uploaded_trims: None })
+        Ok(Self { surface, control_points, texture, uploaded_trims: UploadedTrims::default() })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
@@ -142,49 +141,49 @@ impl FreeFormSurface {
     /// Switches the circles on.
     pub fn enable_circular_trimming(&mut self) {
         self.surface.trims.circles_on = true;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the circles off; they are kept.
     pub fn disable_circular_trimming(&mut self) {
         self.surface.trims.circles_on = false;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the intervals on.
     pub fn enable_interval_trimming(&mut self) {
         self.surface.trims.intervals_on = true;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the intervals off; they are kept.
     pub fn disable_interval_trimming(&mut self) {
         self.surface.trims.intervals_on = false;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the ellipses on.
     pub fn enable_ellipse_trimming(&mut self) {
         self.surface.trims.ellipses_on = true;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the ellipses off; they are kept.
     pub fn disable_ellipse_trimming(&mut self) {
         self.surface.trims.ellipses_on = false;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the Bézier loops on.
     pub fn enable_bezier_curve_trimming(&mut self) {
         self.surface.trims.loops_on = true;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Switches the Bézier loops off; they are kept.
     pub fn disable_bezier_curve_trimming(&mut self) {
         self.surface.trims.loops_on = false;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Makes this the one circle, as the thesis' call does; [`FreeFormSurface::add_circle`] adds.
@@ -193,7 +192,7 @@ impl FreeFormSurface {
     /// A radius that is negative or not finite, a centre that is not finite.
     pub fn circular_trimming(&mut self, radius: f64, center: DVec2) -> Result<()> {
         self.surface.trims.circles = vec![Circle::new(center, radius)?];
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
@@ -203,7 +202,7 @@ impl FreeFormSurface {
     /// Bounds that are not finite or not in order.
     pub fn interval_trimming(&mut self, u: DVec2, v: DVec2) -> Result<()> {
         self.surface.trims.intervals = vec![Interval::new(u, v)?];
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
@@ -214,7 +213,7 @@ impl FreeFormSurface {
     pub fn ellipse_trimming(&mut self, radius_u: f64, radius_v: f64, center: DVec2) -> Result<()> {
         let radii = DVec2::new(radius_u, radius_v);
         self.surface.trims.ellipses = vec![Ellipse::new(center, radii)?];
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
@@ -268,7 +267,7 @@ impl FreeFormSurface {
     /// What [`Circle::new`] refuses; the surface stays as it was.
     pub fn add_circle(&mut self, circle: Circle) -> Result<()> {
         self.surface.trims.circles.push(Circle::new(circle.center, circle.radius)?);
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
@@ -278,7 +277,7 @@ impl FreeFormSurface {
     /// What [`Interval::new`] refuses; the surface stays as it was.
     pub fn add_interval(&mut self, interval: Interval) -> Result<()> {
         self.surface.trims.intervals.push(Interval::new(interval.u, interval.v)?);
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
@@ -288,7 +287,7 @@ impl FreeFormSurface {
     /// What [`Ellipse::new`] refuses; the surface stays as it was.
     pub fn add_ellipse(&mut self, ellipse: Ellipse) -> Result<()> {
         self.surface.trims.ellipses.push(Ellipse::new(ellipse.center, ellipse.radii)?);
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
@@ -299,14 +298,14 @@ impl FreeFormSurface {
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.
     pub fn add_trim_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
         self.surface.trims.add_loop(trim_loop)?;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
 
     /// Chooses which side of the loops stays. The thesis' method knows [`Keep::Outside`] alone.
     pub fn set_keep(&mut self, keep: Keep) {
         self.surface.trims.keep = keep;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// Removes every trim; the switches stay as they are.
@@ -316,7 +315,7 @@ impl FreeFormSurface {
         trims.intervals.clear();
         trims.ellipses.clear();
         trims.loops.clear();
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     /// The trims as they are now.
@@ -351,7 +350,7 @@ impl FreeFormSurface {
 
     fn replace_loops(&mut self, loops: Vec<TrimLoop>) {
         self.surface.trims.loops = loops;
-        self.uploaded_trims = None;
+        self.uploaded_trims = UploadedTrims::default();
     }
 
     fn replace_nested(&mut self, outer: TrimLoop, inner: TrimLoop) -> Result<()> {
@@ -386,16 +385,12 @@ impl FreeFormSurface {
         method: Method,
         level: TessLevel,
     ) -> Result<()> {
-        if !self.uploaded_trims.as_ref().is_some_and(|uploaded| uploaded.fits(method, level)) {
-            let uploaded = UploadedTrims::new(gl, &self.surface.trims, method, level)?;
-            self.uploaded_trims = Some(uploaded);
-        }
-        Ok(())
+        self.uploaded_trims.prepare(gl, &self.surface.trims, method, level)
     }
 
-    /// What was uploaded last, unless the trims have changed since.
-    pub(crate) const fn uploaded_trims(&self) -> Option<&UploadedTrims> {
-        self.uploaded_trims.as_ref()
+    /// What was uploaded since the trims changed last.
+    pub(crate) const fn uploaded_trims(&self) -> &UploadedTrims {
+        &self.uploaded_trims
     }
 }
 

@@ -39,14 +39,14 @@ impl Parts {
         }
     }
 
-    /// Smaller parts, about 8 and about 16 a side, for patches with trims: those wholly kept can do
+    /// Smaller parts, about 8 and about 16 a side (if of level 2 or more), for patches with trims: those wholly kept can do
     /// without the trims' code, and those wholly cut need not be drawn at all. All parts of a patch
     /// are squares of one level, as far as the level can be cut so.
     pub(crate) fn smaller(level: TessLevel) -> impl Iterator<Item = Self> {
         let level = level.get();
         let divides = move |side: &u32| level.is_multiple_of(*side);
         let about_8 = (8..=15).find(divides).or_else(|| (2..8).rev().find(divides));
-        let about_16 = (16..=31).find(divides);
+        let about_16 = (16..=31).find(divides).filter(|side| level >= 2 * side);
         about_8.into_iter().chain(about_16).map(move |side| Self { side, level: level / side })
     }
 
@@ -155,6 +155,7 @@ pub(crate) fn batches(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Keep, Trims};
 
     #[test]
     fn no_draw_makes_more_vertices_than_16_bits_count() {
@@ -193,7 +194,23 @@ mod tests {
         let sides = |level| -> Vec<u32> {
             Parts::smaller(TessLevel::new(level).unwrap()).map(|parts| parts.side).collect()
         };
-        let expected: [Vec<u32>; 5] = [vec![], vec![7], vec![12], vec![8, 16], vec![]];
-        assert_eq!([1, 7, 12, 32, 61].map(sides), expected);
+        let expected: [Vec<u32>; 6] = [vec![], vec![7], vec![12], vec![], vec![8, 16], vec![]];
+        assert_eq!([1, 7, 12, 31, 32, 61].map(sides), expected);
+    }
+
+    #[test]
+    fn a_split_leaves_out_what_is_cut_and_tells_what_is_kept() {
+        let mut trims = Trims::default();
+        let level = TessLevel::new(32).unwrap();
+        let whole = Split::new(&TrimGrid::new(&trims), level);
+        assert_eq!((whole.parts.side, whole.kept.len(), whole.trimmed.len()), (1, 1, 0));
+        // A square of 8 × 8 of the 16 × 16 parts, its border a little inside theirs.
+        trims.add_svg_path("M.255 .255 H.745 V.745 H.255Z").unwrap();
+        let split = Split::new(&TrimGrid::new(&trims), level);
+        assert_eq!(split.parts.side, 16);
+        assert_eq!((split.kept.len(), split.trimmed.len()), (256 - 64, 64 - 36));
+        trims.keep = Keep::Inside;
+        let split = Split::new(&TrimGrid::new(&trims), level);
+        assert_eq!((split.kept.len(), split.trimmed.len()), (36, 64 - 36));
     }
 }

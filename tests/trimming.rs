@@ -12,7 +12,7 @@ use freeform_surface::{
     Circle, Frame, PreparedScene, Renderer, Samples, Scene, Segment, Shading, TessLevel, TrimGrid,
     TrimLoop, Trims,
 };
-use glam::{DMat4, DVec2, DVec3, Vec2, dvec2, vec2};
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, dvec2, vec2};
 use glow::{HasContext, PixelPackData};
 
 use common::oracle::{EITHER_WAY, changes_within, count_wrong};
@@ -133,6 +133,18 @@ fn mixed_trims() -> Trims {
     for i in 0..40 {
         let (u, v) = (0.42 + 0.002 * f64::from(i % 8), 0.45 + 0.002 * f64::from(i / 8));
         trims.add_svg_path(&format!("M{u} {v} q.0005 .0015 .001 0 t-.001 0z")).unwrap();
+    }
+    trims
+}
+
+/// Triangles that meet in one point, so many that the cell there lists hundreds of pieces.
+fn starburst() -> Trims {
+    let mut trims = Trims::default();
+    for i in 0..120 {
+        let corner = |turn: f64| dvec2(0.47, 0.53) + 0.4 * DVec2::from_angle(turn);
+        let [a, b] = [corner(0.051 * f64::from(i)), corner(0.051 * f64::from(i) + 0.03)];
+        let path = format!("M.47 .53 L{} {} {} {}Z", a.x, a.y, b.x, b.y);
+        trims.add_svg_path(&path).unwrap();
     }
     trims
 }
@@ -304,6 +316,7 @@ fn the_gpu_decides_bit_for_bit_as_the_cpu_does_on_a_curved_patch() {
         for number in 0..12 {
             let trims = match number {
                 0 => mixed_trims(),
+                1 => starburst(),
                 _ => Trims { loops: random_loops(&mut random), ..Trims::default() },
             };
             let scene = curved(trims);
@@ -343,9 +356,16 @@ fn the_grid_and_brute_force_agree_bit_for_bit_on_the_gpu() {
 fn parts_of_a_patch_change_nothing() {
     // At level 32 parts are wholly kept, wholly cut, or trimmed; at level 1 there is one.
     let trims = mixed_trims();
-    let [mut whole, mut parts] = [flat(trims.clone()), flat(trims.clone())];
+    let mut whole = flat(trims.clone());
+    // The default patch is flat but not even: between its vertices (u, v) would be bent.
+    for i in 0..16 {
+        let place = dvec2(f64::from(i % 4), f64::from(i / 4)) / 3.0 - 0.5;
+        whole.surfaces[0]
+            .set_control_point(DVec4::new(place.x, 0.0, -place.y, 1.0), i as usize)
+            .unwrap();
+    }
+    let mut parts = whole.clone();
     parts.settings.level = TessLevel::new(32).unwrap();
-    whole.settings.level = TessLevel::new(31).unwrap();
     let pictures =
         [&whole, &parts].map(|scene| common::render(scene, glam::UVec2::splat(512), backends()[0]));
     let differ: Vec<(u32, u32)> = pictures[0]

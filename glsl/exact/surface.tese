@@ -8,6 +8,7 @@ layout(location = 3) uniform mat4 projectionMatrix;
 
 patch in vec4 partOfPatch; // least and greatest (u, v)
 
+invariant gl_Position;  // parts of a patch are drawn by two programs and must meet
 out vec3 passNormal;    // view space, unit length
 out vec2 passTessCoord; // (u, v), for the trims and the texture
 out vec4 position;      // view space

@@ -141,6 +141,8 @@ impl Framebuffer {
         if let Some(resolved) = &self.resolved {
             // SAFETY: the context is current (see the module); both pictures have this size.
             unsafe {
+                // A blit is clipped too.
+                let scissor = self.gl.is_enabled(glow::SCISSOR_TEST);
                 self.gl.disable(glow::SCISSOR_TEST);
                 self.gl.blit_named_framebuffer(
                     Some(self.raw),
@@ -156,6 +158,9 @@ impl Framebuffer {
                     glow::COLOR_BUFFER_BIT,
                     glow::NEAREST,
                 );
+                if scissor {
+                    self.gl.enable(glow::SCISSOR_TEST);
+                }
             }
             return resolved.read();
         }

@@ -16,7 +16,7 @@ impl PreparedScene {
     /// Uploads the surfaces of a scene; a picture or colour that several share goes up once.
     ///
     /// # Errors
-    /// Trims that the method cannot cut, a texture that the driver cannot hold, no memory.
+    /// Trims out of their range, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
         let mut textures: Vec<(&Paint, Arc<Texture>)> = Vec::new();
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
@@ -44,7 +44,8 @@ impl PreparedScene {
     /// Clears the bound framebuffer and draws the scene into it.
     ///
     /// # Errors
-    /// A shader that the driver does not take, or no memory for changed trims.
+    /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
+    /// method cannot cut.
     pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
         renderer.clear(frame.settings.background);
         for surface in &mut self.surfaces {

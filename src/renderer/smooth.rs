@@ -45,9 +45,10 @@ impl PreparedScene {
         mut progress: impl FnMut(u32, u32),
     ) -> Result<Image> {
         let samples = frame.settings.samples.get();
+        let averages = samples.max(target.samples()) > 1;
         let mut frame = *frame;
         let background = frame.settings.background;
-        if samples > 1 {
+        if averages {
             let [red, green, blue, alpha] = background;
             frame.settings.background = [red * alpha, green * alpha, blue * alpha, alpha];
         }
@@ -59,7 +60,7 @@ impl PreparedScene {
         } else {
             self.average(renderer, target, &frame, &mut progress)?
         };
-        if samples > 1 && background[3] < 1.0 {
+        if averages && background[3] < 1.0 {
             divide_by_alpha(&mut image, background);
         }
         Ok(image)

@@ -11,33 +11,32 @@ use crate::renderer::programs::{
 use crate::tessellation::Split;
 use crate::{Method, Newton, NewtonTrims, Result, TessLevel, TrimGrid, Trims};
 
-/// What the shaders of one method read. It is made when the method first draws the surface at a
-/// level, and again when its trims have changed.
-#[derive(Debug)]
-pub(crate) enum UploadedTrims {
-    Thesis(ThesisTrims),
-    Exact(ExactTrims),
+/// What the shaders of each method read. It is made when the method first draws the surface, and is
+/// thrown away when its trims change.
+#[derive(Debug, Default)]
+pub(crate) struct UploadedTrims {
+    pub(crate) thesis: Option<ThesisTrims>,
+    pub(crate) exact: Option<ExactTrims>,
 }
 
 impl UploadedTrims {
-    pub(super) fn new(
+    /// Makes what a method needs at a level, unless it is there.
+    pub(super) fn prepare(
+        &mut self,
         gl: &Arc<glow::Context>,
         trims: &Trims,
         method: Method,
         level: TessLevel,
-    ) -> Result<Self> {
-        Ok(match method {
-            Method::Thesis => Self::Thesis(ThesisTrims::new(gl, trims)?),
-            Method::Exact => Self::Exact(ExactTrims::new(gl, trims, level)?),
-        })
-    }
-
-    /// Whether it is what a method needs at a level.
-    pub(super) fn fits(&self, method: Method, level: TessLevel) -> bool {
-        match self {
-            Self::Thesis(_) => method == Method::Thesis,
-            Self::Exact(exact) => method == Method::Exact && exact.level == level,
+    ) -> Result<()> {
+        match (method, &mut self.exact) {
+            (Method::Thesis, _) if self.thesis.is_none() => {
+                self.thesis = Some(ThesisTrims::new(gl, trims)?);
+            }
+            (Method::Exact, None) => self.exact = Some(ExactTrims::new(gl, trims, level)?),
+            (Method::Exact, Some(exact)) if exact.level != level => exact.split(gl, level)?,
+            _ => {}
         }
+        Ok(())
     }
 }
 
@@ -120,6 +119,7 @@ impl ThesisTrims {
 /// The exact method's grids, and the parts of a patch that they leave to be drawn.
 #[derive(Debug)]
 pub(crate) struct ExactTrims {
+    grid: TrimGrid,
     features: TrimFeatures,
     words: Option<TexelBuffer>,
     level: TessLevel,
@@ -151,12 +151,15 @@ impl ExactTrims {
             ..TrimFeatures::NONE
         };
         let words = features.any().then(|| TexelBuffer::new(gl, "trim grid", grid.words()));
-        Ok(Self {
-            features,
-            words: words.transpose()?,
-            level,
-            parts: PartList::new(gl, &grid, level)?,
-        })
+        let parts = PartList::new(gl, &grid, level)?;
+        Ok(Self { grid, features, words: words.transpose()?, level, parts })
+    }
+
+    /// Makes the parts for another level; the grid stays.
+    fn split(&mut self, gl: &Arc<glow::Context>, level: TessLevel) -> Result<()> {
+        self.parts = PartList::new(gl, &self.grid, level)?;
+        self.level = level;
+        Ok(())
     }
 
     /// The kinds of trims that cut something.

@@ -18,8 +18,10 @@ const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 /// The trims of a surface, compiled for fast and exact decisions.
 ///
 /// It decides as [`Trims::cut`] does, for every sample further than 2·10⁻⁷ of the domain from a
-/// curve, in time that does not depend on the number of curves. The shaders read its words and
-/// decide bit for bit alike (`glsl/common/trim.glsl`).
+/// curve whose control points are at most about 1e9 away; in time that does not depend on the number
+/// of curves, unless thousands of them crowd in 1/65,536 of the domain, cross in one point, or each
+/// reach across all of it. The shaders read its words and decide bit for bit alike
+/// (`glsl/common/trim.glsl`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrimGrid {
     words: Vec<u32>,
@@ -70,8 +72,8 @@ impl TrimGrid {
         self.cut_by_shapes(uv) || self.cut_by_loops(uv)
     }
 
-    /// Whether everything in the rectangle from `least` to `most` is cut (`true`) or kept (`false`),
-    /// or not known: some of it may be either.
+    /// Whether everything in the rectangle from `least` to below `most` is cut (`true`) or kept
+    /// (`false`), or not known: some of it may be either.
     #[must_use]
     pub fn cut_throughout(&self, least: Vec2, most: Vec2) -> Option<bool> {
         let cells = |lookup: &Option<Lookup>, without: bool| match lookup {
@@ -87,11 +89,10 @@ impl TrimGrid {
 
     /// What all cells that a rectangle touches say, if they say one thing.
     fn throughout(&self, lookup: &Lookup, least: Vec2, most: Vec2) -> Option<bool> {
-        // Samples of a rectangle may be rounded out of it.
-        const MARGIN: f32 = 1e-6;
-        let (least, most) = (least - MARGIN, most + MARGIN);
         let lattice = &lookup.lattice;
-        let [first, last] = [least, most].map(|corner| lattice.cell(clamped(corner)));
+        // A sample that rounding puts beyond is as close to a curve as may be decided either way.
+        let last = Vec2::new(most.x.next_down(), most.y.next_down());
+        let [first, last] = [least, last].map(|corner| lattice.cell(clamped(corner)));
         let mut found = None;
         for row in first.y..=last.y {
             for column in first.x..=last.x {
@@ -270,6 +271,37 @@ mod tests {
         check(&loops, vs.iter().flat_map(|v| us.iter().map(move |u| vec2(*u, *v))));
     }
 
+    /// Samples on both sides of every curve, from just outside the tolerance on.
+    fn beside(loops: &[TrimLoop]) -> Vec<Vec2> {
+        let mut samples = Vec::new();
+        for segment in loops.iter().flat_map(TrimLoop::segments) {
+            for t in (0..=200).map(|i| f64::from(i) / 200.0) {
+                let along = segment.point(t + 1e-4) - segment.point(t - 1e-4);
+                let across = along.normalize_or(DVec2::X).perp();
+                for off in [4e-7, 3e-6, 1e-4] {
+                    let at = segment.point(t);
+                    samples.extend([at + across * off, at - across * off].map(DVec2::as_vec2));
+                }
+            }
+        }
+        samples.retain(|uv| uv.cmpge(Vec2::ZERO).all() && uv.cmplt(Vec2::ONE).all());
+        samples
+    }
+
+    #[test]
+    fn samples_close_to_curves_with_inflections_and_cusps_are_decided_right() {
+        let s_curve = [(0.1, 0.5), (0.5, 0.5), (0.5, 0.52), (0.9, 0.52), (0.9, 0.1), (0.1, 0.1)];
+        let steep = [(0.5, 0.1), (0.5, 0.5), (0.52, 0.5), (0.52, 0.9), (0.1, 0.9), (0.1, 0.1)];
+        let cusp = [(0.2, 0.4), (0.8, 0.9), (0.2, 0.9), (0.8, 0.4), (0.7, 0.1), (0.3, 0.1)];
+        let knot = [(0.2, 0.3), (1.2, 1.0), (-0.2, 1.0), (0.8, 0.3), (0.8, 0.3), (0.2, 0.3)];
+        for points in [s_curve, steep, cusp, knot] {
+            let loops = [closed(&points.map(|(u, v)| dvec2(u, v)))];
+            let samples = beside(&loops);
+            assert!(samples.len() > 2000);
+            check(&loops, samples.into_iter());
+        }
+    }
+
     #[test]
     fn a_crowd_in_one_cell_is_decided_right() {
         let lens = |i: i32| {
@@ -283,6 +315,26 @@ mod tests {
         assert!(grid_of(&loops).has_finer_cells());
         check(&loops, lattice_samples(64).map(|uv| 0.499 + 0.01 * uv));
         check(&loops, lattice_samples(64));
+    }
+
+    #[test]
+    fn lists_of_every_length_are_decided_right() {
+        // Triangles that meet in one point: the cell there lists two pieces of each, and some more.
+        let mut kinds = [0; 2];
+        for count in (3..=40).chain([120]) {
+            let mut trims = Trims::default();
+            for i in 0..count {
+                let corner = |turn: f64| dvec2(0.47, 0.53) + 0.4 * DVec2::from_angle(turn);
+                let [a, b] = [corner(0.051 * f64::from(i)), corner(0.051 * f64::from(i) + 0.03)];
+                let path = format!("M.47 .53 L{} {} {} {}Z", a.x, a.y, b.x, b.y);
+                trims.add_svg_path(&path).unwrap();
+            }
+            let grid = TrimGrid::new(&trims);
+            kinds[usize::from(grid.has_long_lists())] += 1;
+            check(&trims.loops, lattice_samples(64));
+            check(&trims.loops, lattice_samples(64).map(|uv| 0.46 + 0.02 * uv + vec2(0.0, 0.06)));
+        }
+        assert!(kinds.iter().all(|kind| *kind > 3), "{kinds:?}");
     }
 
     #[test]
@@ -340,7 +392,8 @@ mod tests {
                     None => said[2] += 1,
                     Some(cut) => {
                         said[usize::from(cut)] += 1;
-                        assert!(samples().all(|uv| grid.cut(uv.min(most)) == cut), "{least}");
+                        let inside = |uv: Vec2| uv.min(most - f32::EPSILON);
+                        assert!(samples().all(|uv| grid.cut(inside(uv)) == cut), "{least}");
                     }
                 }
             }
@@ -356,6 +409,7 @@ mod tests {
             let loops: Vec<TrimLoop> =
                 loops.iter().map(|points| closed(&points[..points.len() / 3 * 3])).collect();
             check(&loops, lattice_samples(48));
+            check(&loops, beside(&loops).into_iter().step_by(7));
         }
     }
 }

@@ -57,9 +57,11 @@ pub(super) const LONG_LIST: usize = 32;
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
 /// A cell with more pieces than this is cut once more.
 const CROWDED: usize = 12;
-/// Cutting pieces to the size of cells makes at most this many, or so many for each curve.
-const MOST_PIECES: usize = 1 << 20;
-const MOST_PIECES_PER_CURVE: usize = 4;
+/// Cutting curves to the size of cells adds so many pieces for each, but at least and at most these.
+const MORE_PIECES_PER_CURVE: usize = 15;
+const MORE_PIECES: std::ops::RangeInclusive<usize> = 1 << 14..=1 << 20;
+/// From so many words on no cell is cut once more.
+const MANY_WORDS: usize = 1 << 26;
 
 /// A piece as a cell refers to it: its number, and its end to the right of the cell.
 #[derive(Clone, Copy)]
@@ -147,7 +149,6 @@ fn lattice_of(curves: &[Curve]) -> Option<Lattice> {
     if !least.cmplt(most).all() {
         return None;
     }
-    let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
     // A power of two, because programs are compiled for each.
     let wanted = (2 * curves.len().isqrt() as u32).next_power_of_two();
     let mut side = wanted.clamp(*SIDES.start(), *SIDES.end());
@@ -155,10 +156,16 @@ fn lattice_of(curves: &[Curve]) -> Option<Lattice> {
         let cells = |curve: &Curve| (curve[3] - curve[0]).abs().max_element() * f64::from(side);
         curves.iter().map(|curve| cells(curve).max(1.0)).sum()
     };
-    while side > 1 && pieces_at(side) > budget as f64 / 2.0 {
+    while side > 1 && pieces_at(side) > most_pieces(curves) as f64 / 2.0 {
         side /= 2;
     }
     Some(Lattice::of_domain(side))
+}
+
+/// How many pieces curves may be cut into.
+fn most_pieces(curves: &[Curve]) -> usize {
+    let more = MORE_PIECES_PER_CURVE * curves.len();
+    curves.len() + more.clamp(*MORE_PIECES.start(), *MORE_PIECES.end())
 }
 
 /// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
@@ -167,7 +174,7 @@ fn cut_to_cells(curves: &[Curve], lattice: &Lattice) -> Vec<Curve> {
     // Smaller pieces would be cut by rounding.
     const SMALLEST: f64 = 1e-6;
     let cell = DVec2::ONE / lattice.size.as_dvec2();
-    let budget = MOST_PIECES.max(MOST_PIECES_PER_CURVE * curves.len());
+    let budget = most_pieces(curves);
     let mut parts = Vec::with_capacity(curves.len());
     for curve in curves {
         halve(curve, 0, &mut parts, &|_| cell);
@@ -290,7 +297,7 @@ impl Builder<'_> {
             let piece = &self.pieces[reference.piece as usize];
             cut ^ piece.crosses(corner) ^ reference.end_reached(piece, corner.y)
         });
-        if may_refine && references.len() > CROWDED {
+        if may_refine && references.len() > CROWDED && self.words.len() < MANY_WORDS {
             let finer = self.finer(&references, Vec2::new(left, bottom), Vec2::new(right, top));
             if finer.count() > 1 {
                 let header = self.words.len();
@@ -312,7 +319,7 @@ impl Builder<'_> {
     /// The lattice of a crowded cell; a coarser one if its pieces are large, so that the references
     /// do not outgrow them.
     fn finer(&self, references: &[Reference], least: Vec2, most: Vec2) -> Lattice {
-        const MOST_REFERENCES_PER_PIECE: f32 = 12.0;
+        const MOST_REFERENCES_PER_PIECE: f32 = 6.0;
         let extent = most - least;
         let mut side = finer_side(references.len());
         let cells_at = |side: u32| -> f32 {

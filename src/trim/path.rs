@@ -10,8 +10,8 @@ use svgtypes::{PathParser, PathSegment};
 use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_finite};
 use crate::{Error, Result};
 
-/// How far the cubics of an arc are from it at most, in the unit of the domain, or of the radius
-/// where that is larger.
+/// How far the cubics of an arc are from it at most, in the unit of the domain. (Radii from about 1e8
+/// on are too large for `f64` to be that exact.)
 const ARC_TOLERANCE: f64 = 1e-8;
 
 impl Trims {
@@ -35,8 +35,8 @@ impl Trims {
 
 impl TrimLoop {
     /// The loops of SVG path data in (u, v): every command of SVG, absolute and relative. Arcs become
-    /// cubics that are off by 1e-8 of the domain at most (of the radius, if that is above 1). Each subpath is a loop and must end where
-    /// it began, by itself or by `Z`.
+    /// cubics that are off by 1e-8 of the domain at most. Each subpath is a loop and must end where
+    /// it began, by itself or by `Z`; one without segments is refused.
     ///
     /// # Errors
     /// Text that is no path data, with the place of the fault; a path without a subpath; an empty or
@@ -90,6 +90,8 @@ struct Reader {
     sizes: Vec<usize>,
     loops: Vec<TrimLoop>,
     segments: Vec<Segment>,
+    /// Segments of the loops.
+    closed: usize,
     start: DVec2,
     current: DVec2,
     /// The last control point, for the smooth commands of its degree.
@@ -205,15 +207,14 @@ impl Reader {
         };
         // Without a radius or a length it is a line, as SVG wants it.
         if let Some(arc) = Arc::from_svg_arc(&svg_arc) {
-            let tolerance = ARC_TOLERANCE * arc.radii.x.max(arc.radii.y).max(1.0);
-            for element in arc.append_iter(tolerance) {
+            for element in arc.append_iter(ARC_TOLERANCE) {
                 if let PathEl::CurveTo(a, b, c) = element {
                     let [a, b, c] = [a, b, c].map(|p| DVec2::new(p.x, p.y));
                     self.cubic(a, b, c);
                 }
             }
             // Few letters make many cubics.
-            check_count(self.first + self.loops.len(), self.segments.len(), 0)?;
+            check_count(self.first + self.loops.len(), self.segments.len(), self.closed)?;
         }
         match self.segments[number..].last_mut() {
             Some(Segment::Cubic(points)) => points[3] = to,
@@ -227,6 +228,7 @@ impl Reader {
         if std::mem::take(&mut self.open) {
             let segments = std::mem::take(&mut self.segments);
             let trim_loop = TrimLoop::new(segments).map_err(|error| self.blame(error))?;
+            self.closed += trim_loop.segments.len();
             self.loops.push(trim_loop);
         }
         Ok(())

@@ -139,6 +139,10 @@ pub(super) fn monotone_curves(loops: &[TrimLoop]) -> Vec<Curve> {
     let segments = loops.iter().flat_map(TrimLoop::segments);
     let mut curves = Vec::with_capacity(segments.clone().count() * 2);
     for segment in segments {
+        if let Segment::Line(_) = segment {
+            split_borders(&as_cubic(segment), 0, &mut curves);
+            continue;
+        }
         split_turns(&as_cubic(segment), 0, &mut |curve| {
             split_inflections(curve, 0, &mut |curve| split_borders(curve, 0, &mut curves));
         });
