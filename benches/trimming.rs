@@ -51,6 +51,16 @@ fn lace(count: usize, least: DVec2, side: f64) -> Vec<TrimLoop> {
         .collect()
 }
 
+/// One loop of cubics between points all over the domain.
+fn scribble(count: usize) -> TrimLoop {
+    let point = |i: usize| {
+        let i = (i % (3 * count)) as f64;
+        dvec2((i * 0.618_034).fract(), (i * 0.754_878).fract())
+    };
+    let cubic = |i: usize| Segment::Cubic([0, 1, 2, 3].map(|k| point(3 * i + k)));
+    TrimLoop::new((0..count).map(cubic).collect()).expect("a closed loop")
+}
+
 fn trims(loops: Vec<TrimLoop>) -> Trims {
     Trims { loops, ..Trims::default() }
 }
@@ -164,6 +174,11 @@ fn building(gl: &std::sync::Arc<glow::Context>) {
         line(&format!("grid of {count} cubics, ms"), ms, bar);
         let bar = if count == 10_000 { "≤ 200" } else { "" };
         line("  bytes a cubic", bytes as f64 / count as f64, bar);
+    }
+    for count in [100, 1_000, 10_000] {
+        let trims = trims(vec![scribble(count)]);
+        let ms = timed(|| drop(black_box(TrimGrid::new(black_box(&trims)))));
+        line(&format!("grid of one loop of {count} long cubics, ms"), ms, "");
     }
     let renderer = Renderer::new(gl).expect("a renderer");
     let mut surface = FreeFormSurface::new(&renderer).expect("a surface");

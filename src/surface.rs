@@ -25,6 +25,8 @@ pub(crate) use trims::{ExactTrims, ThesisTrims, UploadedTrims};
 #[derive(Debug)]
 pub struct FreeFormSurface {
     surface: Surface,
+    /// Segments of all loops.
+    segments: usize,
     control_points: Buffer,
     texture: Arc<Texture>,
     uploaded_trims: UploadedTrims,
@@ -73,7 +75,9 @@ impl FreeFormSurface {
         let points: Vec<Vec4> =
             surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
         let control_points = Buffer::new(renderer.gl(), "control points", &points)?;
-        Ok(Self { surface, control_points, texture, uploaded_trims: UploadedTrims::default() })
+        let segments = surface.trims.segment_count();
+        let uploaded_trims = UploadedTrims::default();
+        Ok(Self { surface, segments, control_points, texture, uploaded_trims })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
@@ -297,7 +301,9 @@ impl FreeFormSurface {
     /// # Errors
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.
     pub fn add_trim_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
-        self.surface.trims.add_loop(trim_loop)?;
+        let count = trim_loop.segments().len();
+        self.surface.trims.add_loop_to(trim_loop, self.segments)?;
+        self.segments += count;
         self.uploaded_trims = UploadedTrims::default();
         Ok(())
     }
@@ -315,6 +321,7 @@ impl FreeFormSurface {
         trims.intervals.clear();
         trims.ellipses.clear();
         trims.loops.clear();
+        self.segments = 0;
         self.uploaded_trims = UploadedTrims::default();
     }
 
@@ -350,6 +357,7 @@ impl FreeFormSurface {
 
     fn replace_loops(&mut self, loops: Vec<TrimLoop>) {
         self.surface.trims.loops = loops;
+        self.segments = self.surface.trims.segment_count();
         self.uploaded_trims = UploadedTrims::default();
     }
 

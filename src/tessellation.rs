@@ -39,15 +39,14 @@ impl Parts {
         }
     }
 
-    /// Smaller parts, about 8 and about 16 a side (if of level 2 or more), for patches with trims: those wholly kept can do
-    /// without the trims' code, and those wholly cut need not be drawn at all. All parts of a patch
-    /// are squares of one level, as far as the level can be cut so.
-    pub(crate) fn smaller(level: TessLevel) -> impl Iterator<Item = Self> {
+    /// Smaller parts, about 8 a side, for patches with trims: those wholly kept can do without the
+    /// trims' code, and those wholly cut need not be drawn at all. All parts of a patch are squares of
+    /// one level. None if the level cannot be cut so.
+    pub(crate) fn smaller(level: TessLevel) -> Option<Self> {
         let level = level.get();
-        let divides = move |side: &u32| level.is_multiple_of(*side);
-        let about_8 = (8..=15).find(divides).or_else(|| (2..8).rev().find(divides));
-        let about_16 = (16..=31).find(divides).filter(|side| level >= 2 * side);
-        about_8.into_iter().chain(about_16).map(move |side| Self { side, level: level / side })
+        let divides = |side: &u32| level.is_multiple_of(*side);
+        let side = (8..=15).find(divides).or_else(|| (2..8).rev().find(divides))?;
+        Some(Self { side, level: level / side })
     }
 
     /// The parts' least and greatest (u, v).
@@ -90,17 +89,15 @@ impl Split {
     pub(crate) fn new(grid: &TrimGrid, level: TessLevel) -> Self {
         // Smaller parts cost vertices: they must leave so much less of the domain to be trimmed.
         const WORTH_IT: f32 = 0.8;
-        let mut best = Self::into(grid, Parts::of(level));
-        for parts in Parts::smaller(level) {
-            if best.trimmed.is_empty() {
-                break;
+        let whole = Self::into(grid, Parts::of(level));
+        match Parts::smaller(level) {
+            Some(parts) if !whole.trimmed.is_empty() => {
+                let smaller = Self::into(grid, parts);
+                let worth_it = smaller.trimmed_share() < WORTH_IT * whole.trimmed_share();
+                if worth_it { smaller } else { whole }
             }
-            let smaller = Self::into(grid, parts);
-            if smaller.trimmed_share() < WORTH_IT * best.trimmed_share() {
-                best = smaller;
-            }
+            _ => whole,
         }
-        best
     }
 
     fn into(grid: &TrimGrid, parts: Parts) -> Self {
@@ -180,7 +177,7 @@ mod tests {
         assert_eq!(Parts::of(TessLevel::new(63).unwrap()).side, 1);
         for level in 1..=64 {
             let level = TessLevel::new(level).unwrap();
-            for parts in Parts::smaller(level).chain([Parts::of(level)]) {
+            for parts in Parts::smaller(level).into_iter().chain([Parts::of(level)]) {
                 assert_eq!(parts.side * parts.level, level.get());
                 let boxes: Vec<Vec4> = parts.boxes().collect();
                 assert_eq!(boxes.len() as u32, parts.side * parts.side);
@@ -191,11 +188,9 @@ mod tests {
                 }
             }
         }
-        let sides = |level| -> Vec<u32> {
-            Parts::smaller(TessLevel::new(level).unwrap()).map(|parts| parts.side).collect()
-        };
-        let expected: [Vec<u32>; 6] = [vec![], vec![7], vec![12], vec![], vec![8, 16], vec![]];
-        assert_eq!([1, 7, 12, 31, 32, 61].map(sides), expected);
+        let side = |level| Parts::smaller(TessLevel::new(level).unwrap()).map(|parts| parts.side);
+        let expected = [None, Some(7), Some(12), None, Some(8), Some(8)];
+        assert_eq!([1, 7, 12, 31, 32, 64].map(side), expected);
     }
 
     #[test]
@@ -204,13 +199,13 @@ mod tests {
         let level = TessLevel::new(32).unwrap();
         let whole = Split::new(&TrimGrid::new(&trims), level);
         assert_eq!((whole.parts.side, whole.kept.len(), whole.trimmed.len()), (1, 1, 0));
-        // A square of 8 × 8 of the 16 × 16 parts, its border a little inside theirs.
+        // A square of 4 × 4 of the 8 × 8 parts, its border a little inside theirs.
         trims.add_svg_path("M.255 .255 H.745 V.745 H.255Z").unwrap();
         let split = Split::new(&TrimGrid::new(&trims), level);
-        assert_eq!(split.parts.side, 16);
-        assert_eq!((split.kept.len(), split.trimmed.len()), (256 - 64, 64 - 36));
+        assert_eq!(split.parts.side, 8);
+        assert_eq!((split.kept.len(), split.trimmed.len()), (64 - 16, 16 - 4));
         trims.keep = Keep::Inside;
         let split = Split::new(&TrimGrid::new(&trims), level);
-        assert_eq!((split.kept.len(), split.trimmed.len()), (36, 64 - 36));
+        assert_eq!((split.kept.len(), split.trimmed.len()), (4, 16 - 4));
     }
 }

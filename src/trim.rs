@@ -332,10 +332,19 @@ impl Trims {
     /// More than 1,000,000 segments in all loops together, by the numbers of loop and segment; the
     /// trims stay as they were.
     pub fn add_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
-        let others = self.loops.iter().map(|other| other.segments.len()).sum();
-        check_count(self.loops.len(), trim_loop.segments.len(), others)?;
+        self.add_loop_to(trim_loop, self.segment_count())
+    }
+
+    /// The same where the number of segments that are there is known.
+    pub(crate) fn add_loop_to(&mut self, trim_loop: TrimLoop, segments: usize) -> Result<()> {
+        check_count(self.loops.len(), trim_loop.segments.len(), segments)?;
         self.loops.push(trim_loop);
         Ok(())
+    }
+
+    /// The segments of all loops.
+    pub(crate) fn segment_count(&self) -> usize {
+        self.loops.iter().map(|trim_loop| trim_loop.segments.len()).sum()
     }
 
     /// Checks every shape, as its constructor would have: the fields are public.

@@ -14,7 +14,7 @@ use freeform_surface::{
 };
 use glam::dvec2;
 
-use common::oracle::{Row, count_wrong, count_wrong_of_grid};
+use common::oracle::{Row, centers, count_wrong, count_wrong_of_grid};
 use common::{Checked, backends, load, root};
 
 const SIDE: u32 = 2048;
@@ -26,11 +26,6 @@ enum Thesis {
     Wrong(usize),
     /// It cannot take the trims.
     Refuses,
-}
-
-/// The centres of so many pixels.
-fn centers(side: u32) -> Vec<f64> {
-    (0..side).map(|i| (f64::from(i) + 0.5) / f64::from(side)).collect()
 }
 
 fn scene(name: &str) -> Scene {

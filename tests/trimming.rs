@@ -15,7 +15,7 @@ use freeform_surface::{
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, dvec2, vec2};
 use glow::{HasContext, PixelPackData};
 
-use common::oracle::{EITHER_WAY, changes_within, count_wrong};
+use common::oracle::{EITHER_WAY, centers, changes_within, count_wrong};
 use common::{Checked, backends, load, root};
 
 /// A flat patch that fills a square picture one to one.
@@ -27,11 +27,6 @@ fn flat(trims: Trims) -> Scene {
     let mut scene = Scene::from_toml(text, "flat.toml".as_ref()).unwrap();
     scene.surfaces[0].trims = trims;
     scene
-}
-
-/// The centres of so many pixels.
-fn centers(side: u32) -> Vec<f64> {
-    (0..side).map(|i| (f64::from(i) + 0.5) / f64::from(side)).collect()
 }
 
 fn frame(scene: &Scene, side: u32) -> Frame {

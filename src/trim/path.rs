@@ -22,7 +22,7 @@ impl Trims {
     /// would be in these trims, which stay as they were.
     pub fn add_svg_path(&mut self, data: &str) -> Result<()> {
         let before = self.loops.len();
-        let mut segments: usize = self.loops.iter().map(|trim_loop| trim_loop.segments.len()).sum();
+        let mut segments = self.segment_count();
         let loops = read(data, before)?;
         for (number, trim_loop) in loops.iter().enumerate() {
             check_count(before + number, trim_loop.segments.len(), segments)?;
