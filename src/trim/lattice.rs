@@ -59,7 +59,7 @@ impl Lattice {
         (self.size.x * self.size.y) as usize
     }
 
-    /// Column and row of a sample in the box: twin of `cellOf` in `glsl/common/trim.glsl`.
+    /// Column and row of a sample in the box: twin of `cellAt` in `glsl/common/trim.glsl`.
     pub(super) fn cell(&self, uv: Vec2) -> UVec2 {
         ((uv - self.least) * self.scale).as_uvec2()
     }
