@@ -1,0 +1,259 @@
+//! Makes the stability scenes of tessellation whose control points are computed: the same bump at
+//! several sizes and places, surfaces of revolution, and sheets of patches that share edges.
+//!
+//! `cargo run --release --example make_hard_patches` writes them to `resources/scenes/stability`.
+
+use glam::{DVec2, DVec3, DVec4, Vec3Swizzles, dvec2, dvec3};
+
+const ORANGE: [f64; 3] = [0.9, 0.6, 0.2];
+const BLUE: [f64; 3] = [0.3, 0.6, 0.9];
+/// Where both lights shine from the same side.
+const DARK_ORANGE: [f64; 3] = [0.45, 0.3, 0.1];
+const DARK_BLUE: [f64; 3] = [0.15, 0.3, 0.45];
+
+fn main() -> std::io::Result<()> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/scenes/stability");
+    for scene in [
+        pole(),
+        rational_sphere(),
+        offset(),
+        small(),
+        large(),
+        far(),
+        orthographic(),
+        quartic(),
+        shared_edges(),
+    ] {
+        std::fs::write(format!("{folder}/tess-{}.toml", scene.name), scene.text())?;
+    }
+    Ok(())
+}
+
+struct Scene {
+    name: &'static str,
+    /// What is hard about it.
+    about: &'static str,
+    camera: &'static str,
+    patches: Vec<Patch>,
+}
+
+/// One `[[surface]]`.
+struct Patch {
+    points: Vec<DVec4>,
+    color: [f64; 3],
+    translate: Option<DVec3>,
+}
+
+impl Scene {
+    fn text(&self) -> String {
+        let Self { about, camera, .. } = self;
+        let mut text =
+            format!("# {about}\n# Made by examples/make_hard_patches.rs.\n\n[camera]\n{camera}\n");
+        for Patch { points, color, translate } in &self.patches {
+            let rows = points.chunks(points.len().isqrt()).map(|row| {
+                let row: Vec<String> = row.iter().copied().map(list).collect();
+                format!("    {},\n", row.join(", "))
+            });
+            text += "\n[[surface]]\ncontrol_points = [\n";
+            text.extend(rows);
+            text += &format!("]\ncolor = {color:?}\n");
+            if let Some(translate) = translate {
+                text += &format!("translate = {}\n", list(translate.extend(1.0)));
+            }
+        }
+        text
+    }
+}
+
+impl Patch {
+    fn new(points: Vec<DVec3>, color: [f64; 3]) -> Self {
+        let points = points.into_iter().map(|point| point.extend(1.0)).collect();
+        Self { points, color, translate: None }
+    }
+}
+
+/// A control point, with its weight if it has one.
+fn list(point: DVec4) -> String {
+    // A zero is added so that none is written as −0.
+    let numbers = point.to_array().map(|value| value + 0.0);
+    format!("{:?}", if point.w == 1.0 { &numbers[..3] } else { &numbers })
+}
+
+/// A bump of size 1, in tenths: u along x, v along −z.
+fn bump() -> Vec<DVec3> {
+    const PLACES: [f64; 4] = [-5.0, -2.0, 2.0, 5.0];
+    const HEIGHTS: [[f64; 4]; 4] =
+        [[0.0, 0.0, 0.0, 0.0], [0.0, 9.0, 6.0, 0.0], [0.0, 6.0, 9.0, 0.0], [0.0, 0.0, 0.0, 0.0]];
+    let point = |i: usize| dvec3(PLACES[i % 4], HEIGHTS[i / 4][i % 4], -PLACES[i / 4]);
+    (0..16).map(point).collect()
+}
+
+fn offset() -> Scene {
+    let place = DVec3::splat(1e6);
+    let points = bump().into_iter().map(|point| place + point / 10.0).collect();
+    let moved = bump().into_iter().map(|point| point / 10.0).collect();
+    Scene {
+        name: "offset-1e6",
+        about: "Bumps of size 1 at a million: f32 has steps of 1/16 there. The first has it in its\n\
+                # control points, the second in translate.",
+        camera: "eye = [1000001.2, 1000001.1, 1000001.7]\n\
+                 target = [1000000.6, 1000000.1, 1000000.0]",
+        patches: vec![
+            Patch::new(points, DARK_ORANGE),
+            Patch { translate: Some(place + dvec3(1.2, 0.0, 0.0)), ..Patch::new(moved, DARK_BLUE) },
+        ],
+    }
+}
+
+fn small() -> Scene {
+    let points = bump().into_iter().map(|point| point / 1e7).collect();
+    Scene {
+        name: "size-1e-6",
+        about: "A bump of size 1e-6: no bound may be absolute.",
+        camera: "eye = [6e-7, 1e-6, 1.5e-6]\ntarget = [0.0, 1e-7, 0.0]",
+        patches: vec![Patch::new(points, ORANGE)],
+    }
+}
+
+fn large() -> Scene {
+    let points = bump().into_iter().map(|point| point * 1e5).collect();
+    // The lights stand at the origin, and Sv × Su points down.
+    let translate = Some(dvec3(0.0, 1e6, 0.0));
+    Scene {
+        name: "size-1e6",
+        about: "A bump of size 1e6: no bound may be absolute.",
+        camera: "eye = [6e5, 2e6, 1.5e6]\ntarget = [0.0, 1.1e6, 0.0]",
+        patches: vec![Patch { translate, ..Patch::new(points, DARK_ORANGE) }],
+    }
+}
+
+fn far() -> Scene {
+    let points = bump().into_iter().map(|point| point / 10.0).collect();
+    Scene {
+        name: "far",
+        about: "A bump of size 1 from 1e5 away, smaller than a pixel: the least level will do.",
+        camera: "eye = [0.0, 5e4, 8.66e4]\ntarget = [0.0, 0.0, 0.0]",
+        patches: vec![Patch::new(points, ORANGE)],
+    }
+}
+
+/// The points of a plane curve, turned about the origin by so many quarters.
+fn turned(curve: [DVec2; 4], quarters: usize) -> [DVec2; 4] {
+    curve.map(|point| (0..quarters).fold(point, |point, _| point.perp()))
+}
+
+fn pole() -> Scene {
+    // The knob of the teapot's lid, twice as large: its rows 0 and 2 are points.
+    let profile = [dvec2(0.0, 0.9), dvec2(1.6, 0.9), dvec2(0.0, 0.0), dvec2(0.4, 0.0)];
+    let circle = [dvec2(1.0, 0.0), dvec2(1.0, 0.56), dvec2(0.56, 1.0), dvec2(0.0, 1.0)];
+    let patch = |quarters: usize| {
+        let around = turned(circle, quarters);
+        let revolved = profile.iter().flat_map(|p| {
+            around.map(|a| dvec3(p.x * a.x, p.y, p.x * a.y).map(|x| (x * 1e4).round() / 1e4))
+        });
+        Patch::new(revolved.collect(), [ORANGE, BLUE][quarters % 2])
+    };
+    Scene {
+        name: "pole",
+        about: "Four patches around a pole, as in the knob of the teapot's lid: rows 0 and 2 of the\n\
+                # control points are one point each, and all four patches meet in the first.",
+        camera: "eye = [0.7, 1.9, 1.5]\ntarget = [0.0, 0.45, 0.0]",
+        patches: (0..4).map(patch).collect(),
+    }
+}
+
+fn rational_sphere() -> Scene {
+    // (1 − t², 2t) / (1 + t²), a quarter of a circle, in degree 3.
+    let quarter = [dvec2(1.0, 0.0), dvec2(1.0, 2.0 / 3.0), dvec2(0.5, 1.0), dvec2(0.0, 1.0)];
+    let weights = [3.0, 3.0, 4.0, 6.0];
+    let patch = |number: usize| {
+        let around = turned(quarter, number % 4);
+        let half = if number < 4 { 1.0 } else { -1.0 };
+        let points = (0..16).map(|i| {
+            let [radius, height] = quarter[i / 4].to_array();
+            let place = (around[i % 4] * radius).extend(half * height).xzy();
+            place.extend(weights[i / 4] * weights[i % 4])
+        });
+        let color = [ORANGE, BLUE][(number + number / 4) % 2];
+        Patch { points: points.collect(), color, translate: None }
+    };
+    Scene {
+        name: "rational-sphere",
+        about: "A sphere of eight rational patches: every point has to lie at 1 from the origin, and the\n\
+                # rows at the poles are one point each, of different weights. Where neighbours meet, one\n\
+                # has twice the other's weights.",
+        camera: "eye = [1.0, 1.6, 2.6]\ntarget = [0.0, 0.0, 0.0]",
+        patches: (0..8).map(patch).collect(),
+    }
+}
+
+/// Control points of a patch of a sheet; neighbours in the sheet have an edge in common.
+///
+/// The sheet has points 0.2 apart. `place` is the patch's column and row.
+fn of_sheet(place: [usize; 2], side: usize, heights: impl Fn(f64, f64) -> f64) -> Vec<DVec3> {
+    let at = |i: usize| {
+        let x = (place[0] * (side - 1) + i % side) as f64;
+        let z = (place[1] * (side - 1) + i / side) as f64;
+        dvec3(2.0 * x, heights(x, z).round(), -2.0 * z) / 10.0
+    };
+    (0..side * side).map(at).collect()
+}
+
+fn checkered(place: [usize; 2]) -> [f64; 3] {
+    [ORANGE, BLUE][(place[0] + place[1]) % 2]
+}
+
+fn orthographic() -> Scene {
+    let patch = |place| {
+        let points = of_sheet(place, 4, |x, z| 6.0 * (1.3 * x).sin() * (1.1 * z).cos());
+        Patch::new(points, checkered(place))
+    };
+    Scene {
+        name: "orthographic",
+        about: "Parallel projection: w is 1 everywhere, and the same size is asked for at every depth.",
+        camera: "eye = [2.6, 3.0, 3.0]\ntarget = [0.6, 0.0, -0.6]\northographic_height = 1.6",
+        patches: [[0, 0], [1, 0], [0, 1], [1, 1]].map(patch).into(),
+    }
+}
+
+fn quartic() -> Scene {
+    let patch = |place| {
+        let points = of_sheet(place, 5, |x, z| 4.0 * (1.6 * x + 0.5).sin() + 3.0 * (1.5 * z).cos());
+        Patch::new(points, checkered(place))
+    };
+    Scene {
+        name: "quartic",
+        about: "Two patches of degree 4 that share an edge.",
+        camera: "eye = [1.3, 1.5, 1.2]\ntarget = [0.8, 0.0, -0.4]",
+        patches: [[0, 0], [1, 0]].map(patch).into(),
+    }
+}
+
+fn shared_edges() -> Scene {
+    let patch = |number: usize| {
+        let place = [number % 3, number / 3];
+        let points = of_sheet(place, 4, |x, z| 6.0 * (1.2 * x).sin() * (1.7 * z).cos());
+        // Mirrored, and with u and v exchanged, in all eight ways.
+        let turned = (0..16).map(|i| {
+            let [mut column, mut row] = [i % 4, i / 4];
+            if number & 4 != 0 {
+                std::mem::swap(&mut column, &mut row);
+            }
+            if number & 1 != 0 {
+                column = 3 - column;
+            }
+            if number & 2 != 0 {
+                row = 3 - row;
+            }
+            points[4 * row + column]
+        });
+        Patch::new(turned.collect(), checkered(place))
+    };
+    Scene {
+        name: "shared-edges",
+        about: "3×3 patches in all eight orientations: neighbours run through their shared edges in\n\
+                # opposite directions, or one along u and the other along v. No crack may show.",
+        camera: "eye = [1.5, 1.7, 1.2]\ntarget = [0.95, 0.0, -0.75]",
+        patches: (0..9).map(patch).collect(),
+    }
+}
