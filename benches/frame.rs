@@ -15,6 +15,7 @@ use freeform_surface::reference::thesis_normal;
 use freeform_surface::renderer::programs::location;
 use freeform_surface::{
     Backend, Degree, Frame, Headless, Paint, PreparedScene, Renderer, Scene, Surface, TessLevel,
+    Tessellation,
 };
 use glam::DVec4;
 use glow::HasContext;
@@ -25,7 +26,8 @@ const TURNS: usize = 25;
 /// The thesis' scene, or a field of 8×8 such patches.
 fn scene(patches: usize, level: u32, wireframe: bool) -> Scene {
     let mut scene = Scene::listing16();
-    scene.settings.level = TessLevel::new(level.into()).expect("a level of the bench");
+    scene.settings.tessellation =
+        Tessellation::Level(TessLevel::new(level.into()).expect("a level"));
     scene.settings.wireframe = wireframe;
     let single = scene.surfaces.remove(0);
     let side = patches.isqrt();
@@ -55,7 +57,7 @@ struct StaticMesh {
 impl StaticMesh {
     fn new(gl: &Arc<glow::Context>, scene: &Scene) -> Self {
         let surface = &scene.surfaces[0];
-        let level = scene.settings.level.get() as usize;
+        let level = scene.settings.tessellation.level().get() as usize;
         let mut vertices: Vec<[f32; 8]> = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
         for patch in surface.patches() {

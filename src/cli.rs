@@ -8,7 +8,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand};
-use freeform_surface::{Backend, Error, Method, Samples, Scene, TessLevel};
+use freeform_surface::{Backend, Error, Method, Normals, Samples, Scene, TessLevel, Tolerance};
 
 use indicatif::ProgressBar;
 use output::Output;
@@ -56,9 +56,19 @@ struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<Samples>,
 
-    /// Tessellation level, 1 to 64, instead of the scene's.
+    /// Tessellation level, 1 to 64, instead of the scene's level or tolerance.
     #[arg(long, value_name = "N", value_parser = level, allow_negative_numbers = true)]
     level: Option<TessLevel>,
+
+    /// The largest distance from the surface on the screen, in pixels, 0.01 to 100, instead of the
+    /// scene's level or tolerance.
+    #[arg(long, value_name = "PX", value_parser = tolerance, allow_negative_numbers = true,
+          conflicts_with = "level")]
+    tolerance: Option<Tolerance>,
+
+    /// Where normals are evaluated: vertex or pixel, instead of the scene's.
+    #[arg(long, value_name = "WHERE", value_parser = normals)]
+    normals: Option<Normals>,
 
     /// Draw lines instead of filled triangles; "--wireframe=false" where the scene wants lines.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
@@ -101,6 +111,17 @@ fn samples(text: &str) -> Result<Samples, String> {
         .ok()
         .and_then(|samples| Samples::new(samples).ok())
         .ok_or_else(|| "expected 1, 2, 4, 8, 16, 32, 64, 128 or 256".into())
+}
+
+fn normals(text: &str) -> Result<Normals, String> {
+    text.parse().map_err(|_| "expected vertex or pixel".into())
+}
+
+fn tolerance(text: &str) -> Result<Tolerance, String> {
+    text.parse()
+        .ok()
+        .and_then(|tolerance| Tolerance::new(tolerance).ok())
+        .ok_or_else(|| "expected a number of pixels from 0.01 to 100".into())
 }
 
 fn level(text: &str) -> Result<TessLevel, String> {

@@ -13,6 +13,7 @@ mod texel_buffer;
 mod texture;
 mod vertex_array;
 
+use glam::UVec2;
 use glow::HasContext;
 
 pub use buffer::Buffer;
@@ -90,11 +91,29 @@ pub(crate) fn check_version(gl: &glow::Context) -> Result<()> {
     Ok(())
 }
 
-/// Samples a pixel of what is drawn into.
-pub(crate) fn samples_of_target(gl: &glow::Context) -> u32 {
-    // SAFETY: the context is current (see the module).
-    let samples = unsafe { gl.get_parameter_i32(glow::SAMPLES) };
-    u32::try_from(samples).unwrap_or(0).max(1)
+/// What is drawn into.
+pub(crate) struct Target {
+    /// Width and height of the viewport in pixels, at least 1.
+    pub(crate) size: UVec2,
+    /// Samples a pixel.
+    pub(crate) samples: u32,
+}
+
+impl Target {
+    /// What is bound now.
+    pub(crate) fn bound(gl: &glow::Context) -> Self {
+        let mut viewport = [0; 4];
+        // SAFETY: the context is current (see the module); a viewport has four numbers.
+        let samples = unsafe {
+            gl.get_parameter_i32_slice(glow::VIEWPORT, &mut viewport);
+            gl.get_parameter_i32(glow::SAMPLES)
+        };
+        let at_least_1 = |number: i32| u32::try_from(number).unwrap_or(0).max(1);
+        Self {
+            size: UVec2::new(at_least_1(viewport[2]), at_least_1(viewport[3])),
+            samples: at_least_1(samples),
+        }
+    }
 }
 
 /// Waits until the driver has done everything it was told.

@@ -85,10 +85,11 @@ pub use error::{Error, Result};
 pub use headless::{Backend, Headless};
 pub use renderer::{Frame, PreparedScene, Renderer};
 pub use scene::{
-    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel,
-    default_control_points, load_texture,
+    Cull, Image, Method, Normals, Paint, RenderSettings, Samples, Scene, Shading, Surface,
+    TessLevel, Tessellation, Tolerance, default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;
+pub use tessellation::FrameFigures;
 pub use trim::{
     Circle, Ellipse, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop, Trims,
     inside_loops, ray_crosses_odd,

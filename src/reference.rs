@@ -18,7 +18,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 use crate::bezier::{Patch, homogeneous};
 use crate::camera::Projection;
 use crate::renderer::CONTROL_POINT_PX;
-use crate::tessellation::{Parts, Split};
+use crate::tessellation::{FixedParts, Parts};
 use crate::{
     Image, Method, Newton, NewtonTrims, RenderSettings, Result, Scene, Surface, TrimGrid, Trims,
 };
@@ -84,7 +84,7 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
         let view = SurfaceView::new(surface, &projection, settings, method)?;
         let report = view.is_report();
         for (patch_number, patch) in surface.patches().enumerate() {
-            let level = settings.level.get() as usize;
+            let level = settings.tessellation.level().get() as usize;
             let vertices = view.vertices(&patch, level);
             for triangle in triangles(view.parts) {
                 let corners = triangle.map(|corner| vertices[corner]);
@@ -205,8 +205,11 @@ impl<'a> SurfaceView<'a> {
         method: Method,
     ) -> Result<Self> {
         let parts = match method {
-            Method::Thesis => Parts::of(settings.level),
-            Method::Exact => Split::new(&TrimGrid::new(&surface.trims), settings.level).parts,
+            Method::Thesis => Parts::of(settings.tessellation.level()),
+            Method::Exact => {
+                let level = settings.tessellation.level();
+                FixedParts::new(&TrimGrid::new(&surface.trims), level).parts
+            }
         };
         Ok(Self {
             surface,

@@ -1,6 +1,7 @@
 //! All draw calls: a surface and a frame in, pixels in the bound framebuffer out.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
+mod drawing;
 mod prepared;
 pub mod programs;
 mod smooth;
@@ -11,15 +12,18 @@ use std::sync::Arc;
 use glam::DMat4;
 use glow::HasContext;
 
+use drawing::Batch;
+pub(crate) use drawing::Drawing;
 pub use prepared::PreparedScene;
-use programs::{Pipeline, ProgramKey, Sources, TrimFeatures, location};
+use programs::{
+    CONTROL_POINTS_UNIT, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TrimFeatures, location,
+};
 pub use smooth::sample_offsets;
 
 use crate::camera::Projection;
-use crate::gpu::{Buffer, Program, VertexArray, check_version, samples_of_target};
-use crate::surface::{ExactTrims, ThesisTrims};
-use crate::tessellation::{Parts, batches};
-use crate::{Degree, FreeFormSurface, Method, RenderSettings, Result, Shading};
+use crate::gpu::{Program, Target, VertexArray, check_version};
+use crate::tessellation::Parts;
+use crate::{FrameFigures, FreeFormSurface, Method, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
 pub const CONTROL_POINT_PX: f32 = 7.0;
@@ -33,13 +37,22 @@ pub struct Frame {
     pub settings: RenderSettings,
 }
 
+/// What is written for each pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Output {
+    /// A colour.
+    Picture,
+    /// Numbers.
+    Aovs,
+}
+
 /// Draws surfaces with the OpenGL context of its caller.
 ///
 /// The context must be current whenever the renderer or something made with it is used or dropped.
 ///
 /// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
 /// rasterizer discard or program point size; filled polygons; the patch size; the textures of units
-/// 0, 1 and 2 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no
+/// 0 to 4 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no
 /// buffer texture. Uploading a picture sets
 /// plain pixel transfers. All other state is the caller's and holds for what is drawn: framebuffer,
 /// viewport, scissor, colour mask and logic operation, depth range and clip control, polygon offset,
@@ -48,7 +61,7 @@ pub struct Renderer {
     gl: Arc<glow::Context>,
     sources: Sources,
     programs: HashMap<ProgramKey, Program>,
-    vertex_array: VertexArray,
+    points_array: VertexArray,
     parts_array: VertexArray,
 }
 
@@ -77,8 +90,8 @@ impl Renderer {
             gl: Arc::clone(gl),
             sources,
             programs: HashMap::new(),
-            vertex_array: VertexArray::new(gl)?,
-            parts_array: VertexArray::with_instances(gl)?,
+            points_array: VertexArray::of_points(gl)?,
+            parts_array: VertexArray::of_parts(gl)?,
         })
     }
 
@@ -118,113 +131,179 @@ impl Renderer {
     /// # Errors
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.
-    pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<()> {
-        surface.upload_trims(&self.gl, frame.settings.method, frame.settings.level)?;
-        let uploaded = surface.uploaded_trims();
-        match (frame.settings.method, &uploaded.thesis, &uploaded.exact) {
-            (Method::Thesis, Some(trims), _) => self.draw_ported(surface, trims, frame),
-            (Method::Exact, _, Some(trims)) => self.draw_exact(surface, trims, frame),
-            _ => Ok(()),
+    pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<FrameFigures> {
+        let mut drawing = surface.drawing_mut().take().unwrap_or_default();
+        let surfaces = std::slice::from_mut(surface);
+        let drawn = self.draw_together(surfaces, &mut drawing, frame, Output::Picture);
+        *surface.drawing_mut() = Some(drawing);
+        drawn
+    }
+
+    /// Draws surfaces that are neighbours or at least in one picture.
+    pub(crate) fn draw_together(
+        &mut self,
+        surfaces: &mut [FreeFormSurface],
+        drawing: &mut Drawing,
+        frame: &Frame,
+        output: Output,
+    ) -> Result<FrameFigures> {
+        match frame.settings.method {
+            Method::Thesis => self.draw_ported(surfaces, frame, output),
+            Method::Exact => {
+                let target = Target::bound(&self.gl);
+                drawing.update(&self.gl, surfaces, frame, target.size)?;
+                self.draw_exact(surfaces, drawing, frame, &target, output)?;
+                Ok(drawing.figures())
+            }
         }
     }
 
-    /// Draws a surface as the thesis or the report does.
+    /// Draws surfaces as the thesis or the report does.
     fn draw_ported(
         &mut self,
-        surface: &FreeFormSurface,
-        trims: &ThesisTrims,
+        surfaces: &mut [FreeFormSurface],
         frame: &Frame,
+        output: Output,
+    ) -> Result<FrameFigures> {
+        let mut figures = FrameFigures::default();
+        for surface in surfaces {
+            surface.upload_trims(&self.gl, &frame.settings)?;
+            self.draw_ported_surface(surface, frame, output, &mut figures)?;
+        }
+        self.release();
+        Ok(figures)
+    }
+
+    fn draw_ported_surface(
+        &mut self,
+        surface: &FreeFormSurface,
+        frame: &Frame,
+        output: Output,
+        figures: &mut FrameFigures,
     ) -> Result<()> {
+        let Some(trims) = &surface.uploaded_trims().thesis else { return Ok(()) };
+        let aov = output == Output::Aovs;
+        let pipeline = Pipeline::ported(surface);
         let key = ProgramKey {
-            pipeline: Pipeline::ported(surface),
+            // The report's shaders hand on no position.
+            pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading: surface.shading(),
             trims: trims.features(surface.trims()),
+            aov,
         };
         let settings = &frame.settings;
         self.program(key)?;
         let program = &self.programs[&key];
         program.bind();
-        set_matrices(program, surface.model_matrix(), &frame.projection);
-        let parts = Parts::of(settings.level);
+        set_matrices(program, &surface.points_to_world(), &frame.projection);
+        let parts = Parts::of(settings.tessellation.level());
         program.set_f32(location::TESS_LEVEL, parts.level as f32);
         if key.pipeline == Pipeline::Report {
             program.set_i32(location::WIREFRAME, i32::from(settings.wireframe));
             program.set_i32(location::SHOW_CONTROL_POINTS, 0);
         }
+        if aov {
+            let to_world = frame.projection.view.inverse().as_mat4();
+            program.set_mat4(location::VIEW_TO_WORLD, &to_world);
+        }
         trims.set(surface.trims(), program, &settings.newton);
         surface.texture().bind(0);
-        self.set_state(surface.degree(), settings.wireframe);
-        let batch = parts.patches_per_draw(settings.wireframe) * surface.degree().points();
-        let points = surface.control_point_count();
-        self.vertex_array.bind(&[surface.control_point_buffer()]);
+        let side = surface.degree().points();
+        self.set_state(side, settings.wireframe);
+        let at_once = parts.patches_per_draw(settings.wireframe);
+        let patches = surface.shapes().len();
+        self.points_array.bind(surface.uploaded_points().buffer());
         for domain in parts.domains() {
             program.set_vec3(location::PART, domain);
-            for first in (0..points).step_by(batch) {
-                let count = batch.min(points - first);
+            for first in (0..patches).step_by(at_once) {
+                if aov {
+                    program.set_i32(location::FIRST_PATCH, (figures.patches + first) as i32);
+                }
+                let count = at_once.min(patches - first);
+                let first = surface.uploaded_points().first() + first * side;
                 // SAFETY: the context is current (see the type); the range lies within the buffer,
                 // whose points fit an i32 since it was made.
-                unsafe { self.gl.draw_arrays(glow::PATCHES, first as i32, count as i32) }
+                unsafe { self.gl.draw_arrays(glow::PATCHES, first as i32, (count * side) as i32) }
+                figures.draws += 1;
             }
         }
-        self.release();
+        let level = u64::from(settings.tessellation.level().get());
+        figures.patches += patches;
+        figures.triangles += 2 * level * level * patches as u64;
         Ok(())
     }
 
-    /// Draws what the exact trims leave of a surface: parts that are wholly kept without the trims'
-    /// code, those that may be cut with it.
+    /// Draws what the plan of a frame holds: parts that are wholly kept without the trims' code, those
+    /// that may be cut with it.
     fn draw_exact(
         &mut self,
-        surface: &FreeFormSurface,
-        trims: &ExactTrims,
+        surfaces: &[FreeFormSurface],
+        drawing: &Drawing,
         frame: &Frame,
+        target: &Target,
+        output: Output,
     ) -> Result<()> {
-        let parts = trims.parts();
-        let Some(boxes) = &parts.boxes else { return Ok(()) };
+        let (Some(parts), Some(matrices)) = (drawing.parts(), drawing.matrices()) else {
+            return Ok(());
+        };
         let settings = &frame.settings;
-        let degree = surface.degree();
-        let pipeline = Pipeline::Exact { degree, samples: samples_of_target(&self.gl) };
-        let kept = (TrimFeatures::NONE, 0..parts.kept);
-        let trimmed = (trims.features(), parts.kept..parts.kept + parts.trimmed);
-        let key = |features| ProgramKey { pipeline, shading: surface.shading(), trims: features };
-        let passes = [kept, trimmed].into_iter().filter(|(_, instances)| !instances.is_empty());
+        let aov = output == Output::Aovs;
+        let key = |batch: &Batch| ProgramKey {
+            pipeline: Pipeline::Exact {
+                degree: batch.degree,
+                samples: target.samples,
+                degenerate: batch.degenerate,
+                normals: settings.normals,
+            },
+            shading: batch.shading,
+            trims: batch.trims,
+            aov,
+        };
         // Before anything is bound: a program may be refused.
-        for (features, _) in passes.clone() {
-            self.program(key(features))?;
+        let mut last = None;
+        for draw in drawing.draws() {
+            if last != Some(draw.batch) {
+                self.program(key(&drawing.batches()[draw.batch]))?;
+            }
+            last = Some(draw.batch);
         }
-        for (features, instances) in passes {
-            let program = &self.programs[&key(features)];
-            program.bind();
-            set_matrices(program, surface.model_matrix(), &frame.projection);
-            program.set_f32(location::TESS_LEVEL, parts.level as f32);
-            if features.any() {
-                trims.bind();
-            }
-            surface.texture().bind(0);
-            self.set_state(degree, settings.wireframe);
-            self.parts_array.bind(&[surface.control_point_buffer(), boxes]);
-            let patches = surface.control_point_count() / degree.points();
-            for batch in batches(parts.level, settings.wireframe, patches, instances) {
-                let [first, count] = [batch.patches.start, batch.patches.len()]
-                    .map(|patches| (patches * degree.points()) as i32);
-                // SAFETY: the context is current (see the type); the ranges lie within the buffers,
-                // whose values fit an i32 since they were made.
-                unsafe {
-                    self.gl.draw_arrays_instanced_base_instance(
-                        glow::PATCHES,
-                        first,
-                        count,
-                        batch.instances.len() as i32,
-                        batch.instances.start as u32,
-                    );
+        let mut last = None;
+        for draw in drawing.draws() {
+            if last != Some(draw.batch) {
+                let batch = &drawing.batches()[draw.batch];
+                let surface = &surfaces[batch.surface];
+                let program = &self.programs[&key(batch)];
+                program.bind();
+                if batch.shading == Shading::Phong && !aov {
+                    // The lights stand in the world.
+                    program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
                 }
+                if aov {
+                    let to_world = frame.projection.view.inverse().as_mat4();
+                    program.set_mat4(location::VIEW_TO_WORLD, &to_world);
+                }
+                if batch.trims.any()
+                    && let Some(trims) = &surface.uploaded_trims().exact
+                {
+                    trims.bind();
+                }
+                surface.texture().bind(0);
+                surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
+                matrices.bind(SURFACES_UNIT);
+                self.set_state(1, settings.wireframe);
+                self.parts_array.bind(parts);
             }
+            last = Some(draw.batch);
+            // SAFETY: the context is current (see the type); the range lies within the buffer, whose
+            // bytes fit an i32 since it was made.
+            unsafe { self.gl.draw_arrays(glow::PATCHES, draw.first, draw.count) }
         }
         self.release();
         Ok(())
     }
 
     /// The state that patches are drawn with.
-    fn set_state(&self, degree: Degree, wireframe: bool) {
+    fn set_state(&self, patch_vertices: usize, wireframe: bool) {
         let gl = &self.gl;
         // SAFETY: the context is current (see the type).
         unsafe {
@@ -238,7 +317,7 @@ impl Renderer {
             }
             gl.bind_sampler(0, None);
             gl.polygon_mode(glow::FRONT_AND_BACK, if wireframe { glow::LINE } else { glow::FILL });
-            gl.patch_parameter_i32(glow::PATCH_VERTICES, degree.points() as i32);
+            gl.patch_parameter_i32(glow::PATCH_VERTICES, patch_vertices as i32);
         }
     }
 
@@ -251,32 +330,32 @@ impl Renderer {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
             trims: TrimFeatures::NONE,
+            aov: false,
         })?;
         program.bind();
-        set_matrices(program, surface.model_matrix(), &frame.projection);
+        set_matrices(program, &surface.points_to_world(), &frame.projection);
         program.set_f32(location::POINT_SIZE, CONTROL_POINT_PX);
         program.set_i32(location::SHOW_CONTROL_POINTS, 1);
         surface.texture().bind(0);
-        self.set_state(surface.degree(), false);
-        self.draw_points(surface.control_point_buffer(), surface.control_point_count());
+        self.set_state(surface.degree().points(), false);
+        let points = surface.uploaded_points();
+        self.points_array.bind(points.buffer());
+        // SAFETY: the context is current (see the type); the buffer holds the points, whose number
+        // fits an i32 since it was made.
+        unsafe {
+            self.gl.disable(glow::DEPTH_TEST);
+            self.gl.enable(glow::PROGRAM_POINT_SIZE);
+            let count = surface.control_points().len() as i32;
+            self.gl.draw_arrays(glow::POINTS, points.first() as i32, count);
+            self.gl.disable(glow::PROGRAM_POINT_SIZE);
+        }
         self.release();
         Ok(())
     }
 
-    fn draw_points(&self, points: &Buffer, count: usize) {
-        self.vertex_array.bind(&[points]);
-        // SAFETY: the context is current (see the type); the buffer holds `count` points.
-        unsafe {
-            self.gl.disable(glow::DEPTH_TEST);
-            self.gl.enable(glow::PROGRAM_POINT_SIZE);
-            self.gl.draw_arrays(glow::POINTS, 0, count as i32);
-            self.gl.disable(glow::PROGRAM_POINT_SIZE);
-        }
-    }
-
     /// Leaves no program and no vertex array bound, and polygons filled.
     fn release(&self) {
-        self.vertex_array.unbind();
+        self.points_array.unbind();
         self.parts_array.unbind();
         // SAFETY: the context is current (see the type).
         unsafe {

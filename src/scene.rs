@@ -2,6 +2,7 @@
 
 mod bpt;
 mod document;
+mod tables;
 mod texture;
 
 use std::io::Read as _;
@@ -46,8 +47,10 @@ pub struct RenderSettings {
     pub method: Method,
     /// Samples a pixel.
     pub samples: Samples,
-    /// Tessellation level.
-    pub level: TessLevel,
+    /// How finely patches are cut.
+    pub tessellation: Tessellation,
+    /// Where the exact method evaluates normals.
+    pub normals: Normals,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
     /// Control points as blue squares on top.
@@ -62,7 +65,8 @@ impl Default for RenderSettings {
             background: [0.2, 0.2, 0.25, 1.0],
             method: Method::default(),
             samples: Samples::default(),
-            level: TessLevel::default(),
+            tessellation: Tessellation::default(),
+            normals: Normals::default(),
             wireframe: false,
             control_points: false,
             newton: Newton::default(),
@@ -124,6 +128,98 @@ impl Default for TessLevel {
     fn default() -> Self {
         Self(32)
     }
+}
+
+/// The largest distance on the screen between what is drawn and the surface, in pixels: from 0.01 to
+/// 100.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Tolerance(f64);
+
+impl Tolerance {
+    /// A tolerance in pixels.
+    ///
+    /// # Errors
+    /// Anything outside 0.01 … 100.
+    pub fn new(pixels: f64) -> Result<Self> {
+        if (0.01..=100.0).contains(&pixels) {
+            Ok(Self(pixels))
+        } else {
+            Err(Error::invalid("tolerance", pixels, "a number of pixels from 0.01 to 100"))
+        }
+    }
+
+    /// The number of pixels.
+    #[must_use]
+    pub const fn pixels(self) -> f64 {
+        self.0
+    }
+}
+
+impl Default for Tolerance {
+    /// Half a pixel.
+    fn default() -> Self {
+        Self(0.5)
+    }
+}
+
+/// How finely patches are cut into triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tessellation {
+    /// As finely as it takes, edge by edge. The thesis' method has no such thing; it draws
+    /// [`TessLevel::default`].
+    Within(Tolerance),
+    /// At one level everywhere.
+    Level(TessLevel),
+}
+
+impl Tessellation {
+    /// The one level, of the thesis' method in any case.
+    #[must_use]
+    pub fn level(self) -> TessLevel {
+        match self {
+            Self::Within(_) => TessLevel::default(),
+            Self::Level(level) => level,
+        }
+    }
+}
+
+impl Default for Tessellation {
+    fn default() -> Self {
+        Self::Within(Tolerance::default())
+    }
+}
+
+/// Where the exact method evaluates normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Normals {
+    /// At the vertices of triangles; between them they are interpolated.
+    #[default]
+    Vertex,
+    /// At every pixel: highlights do not depend on the triangles.
+    Pixel,
+}
+
+impl std::str::FromStr for Normals {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "vertex" => Ok(Self::Vertex),
+            "pixel" => Ok(Self::Pixel),
+            _ => Err(Error::invalid("normals", format!("\"{name}\""), "\"vertex\" or \"pixel\"")),
+        }
+    }
+}
+
+/// Which sides of a surface need not be drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Cull {
+    /// Both are drawn.
+    #[default]
+    None,
+    /// Of a closed surface, patches that wholly show their back are left out: the side from which u
+    /// and v turn clockwise. By the exact method alone.
+    Back,
 }
 
 /// How many samples of a pixel are averaged: a power of two from 1 to 256.
@@ -188,7 +284,7 @@ impl Default for Paint {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     degree: Degree,
-    control_points: Vec<DVec4>,
+    control_points: Arc<Vec<DVec4>>,
     /// Model space to world space.
     pub transform: DMat4,
     /// Colour before lighting.
@@ -197,6 +293,8 @@ pub struct Surface {
     pub shading: Shading,
     /// What is cut out.
     pub trims: Trims,
+    /// What need not be drawn.
+    pub cull: Cull,
 }
 
 impl Surface {
@@ -218,11 +316,12 @@ impl Surface {
         }
         Ok(Self {
             degree,
-            control_points,
+            control_points: Arc::new(control_points),
             transform: DMat4::IDENTITY,
             paint: Paint::default(),
             shading: Shading::default(),
             trims: Trims::default(),
+            cull: Cull::default(),
         })
     }
 
@@ -245,15 +344,15 @@ impl Surface {
     /// stays as it was.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
         let count = self.control_points.len();
-        let Some(place) = self.control_points.get_mut(index) else {
+        if index >= count {
             return Err(Error::invalid(
                 "index of a control point",
                 index,
                 format!("0 to {}", count - 1),
             ));
-        };
+        }
         check_control_point(point, index)?;
-        *place = point;
+        Arc::make_mut(&mut self.control_points)[index] = point;
         Ok(())
     }
 
@@ -339,7 +438,7 @@ impl Scene {
         let mut surface = Surface::new(Degree::Cubic, default_control_points())
             .expect("the default control points make one patch");
         for index in [5, 6, 9, 10] {
-            surface.control_points[index].y = 0.5;
+            Arc::make_mut(&mut surface.control_points)[index].y = 0.5;
         }
         surface.transform = DMat4::from_translation(dvec3(0.0, 1.0, 0.0));
         surface.paint = Paint::Texture(Arc::new(texture::brick()));

@@ -1,21 +1,25 @@
 //! The ported class: one freeform surface with its control points and trims on the GPU.
 
+mod points;
 mod trims;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use crate::bezier::{check_coordinates, homogeneous};
-use crate::gpu::{Buffer, Texture};
-use crate::renderer::{Frame, Renderer};
+use crate::bezier::check_coordinates;
+use crate::gpu::Texture;
+use crate::renderer::{Drawing, Frame, Renderer};
 use crate::scene::default_control_points;
+use crate::tessellation::Shape;
 use crate::trim::holds;
 use crate::{
-    Circle, Degree, Ellipse, Error, Image, Interval, Keep, Method, Paint, RenderSettings, Result,
-    Segment, Shading, Surface, TessLevel, TrimLoop, Trims,
+    Circle, Cull, Degree, Ellipse, Error, Image, Interval, Keep, Paint, RenderSettings, Result,
+    Segment, Shading, Surface, TrimLoop, Trims,
 };
-pub(crate) use trims::{ExactTrims, ThesisTrims, UploadedTrims};
+pub(crate) use points::{Centering, ControlPoints};
+pub(crate) use trims::UploadedTrims;
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
@@ -27,9 +31,29 @@ pub struct FreeFormSurface {
     surface: Surface,
     /// Segments of all loops.
     segments: usize,
-    control_points: Buffer,
+    control_points: ControlPoints,
+    /// Of each patch.
+    shapes: Vec<Shape>,
     texture: Arc<Texture>,
     uploaded_trims: UploadedTrims,
+    revision: Revision,
+    /// What is kept from frame to frame if the surface is drawn by itself.
+    drawing: Option<Box<Drawing>>,
+}
+
+/// Tells states of surfaces apart: no two have the same numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Revision {
+    /// Of the control points and their place in the world.
+    pub(crate) points: u64,
+    /// Of everything else.
+    pub(crate) look: u64,
+}
+
+/// A number that was not there before.
+fn new_number() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 impl FreeFormSurface {
@@ -70,14 +94,32 @@ impl FreeFormSurface {
         surface: Surface,
         texture: Arc<Texture>,
     ) -> Result<Self> {
+        let points = surface.control_points();
+        let centering = Centering::of(points.iter());
+        let mut uploaded = ControlPoints::upload(renderer.gl(), &[(points, centering)])?;
+        Self::with_points(surface, texture, uploaded.remove(0))
+    }
+
+    /// The same with control points that are there already.
+    pub(crate) fn with_points(
+        surface: Surface,
+        texture: Arc<Texture>,
+        control_points: ControlPoints,
+    ) -> Result<Self> {
         check_transform(&surface.transform)?;
         surface.trims.check()?;
-        let points: Vec<Vec4> =
-            surface.control_points().iter().map(|point| homogeneous(*point).as_vec4()).collect();
-        let control_points = Buffer::new(renderer.gl(), "control points", &points)?;
-        let segments = surface.trims.segment_count();
-        let uploaded_trims = UploadedTrims::default();
-        Ok(Self { surface, segments, control_points, texture, uploaded_trims })
+        let degree = surface.degree();
+        let patches = surface.control_points().chunks_exact(degree.points());
+        Ok(Self {
+            segments: surface.trims.segment_count(),
+            shapes: patches.map(|points| Shape::new(degree, points)).collect(),
+            surface,
+            control_points,
+            texture,
+            uploaded_trims: UploadedTrims::default(),
+            revision: Revision { points: new_number(), look: new_number() },
+            drawing: None,
+        })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
@@ -88,6 +130,7 @@ impl FreeFormSurface {
     /// method cannot cut.
     pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
         renderer.draw(self, frame)?;
+        // Squares lie on top of everything.
         if frame.settings.control_points {
             renderer.draw_control_points(self, frame)?;
         }
@@ -100,7 +143,7 @@ impl FreeFormSurface {
     /// # Errors
     /// No memory, or loops that the method cannot cut.
     pub fn prepare(&mut self, renderer: &Renderer, settings: &RenderSettings) -> Result<()> {
-        self.upload_trims(renderer.gl(), settings.method, settings.level)
+        self.upload_trims(renderer.gl(), settings)
     }
 
     /// Places the surface in the world.
@@ -110,6 +153,7 @@ impl FreeFormSurface {
     pub fn set_model_matrix(&mut self, matrix: DMat4) -> Result<()> {
         check_transform(&matrix)?;
         self.surface.transform = matrix;
+        self.revision.points = new_number();
         Ok(())
     }
 
@@ -128,66 +172,79 @@ impl FreeFormSurface {
     /// As [`FreeFormSurface::set_specific_control_point`], and a weight that is not above 0.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
         self.surface.set_control_point(point, index)?;
-        self.control_points.write(index, &[homogeneous(point).as_vec4()]);
+        self.control_points.write(index, point);
+        let degree = self.surface.degree();
+        let patch = index / degree.points();
+        let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];
+        self.shapes[patch] = Shape::new(degree, points);
+        self.revision.points = new_number();
         Ok(())
     }
 
     /// Gives the surface a picture; several surfaces may share one.
     pub fn set_texture(&mut self, texture: Arc<Texture>) {
         self.texture = texture;
+        self.revision.look = new_number();
     }
 
     /// Chooses the lighting.
-    pub const fn set_shading(&mut self, shading: Shading) {
+    pub fn set_shading(&mut self, shading: Shading) {
         self.surface.shading = shading;
+        self.revision.look = new_number();
+    }
+
+    /// Chooses what need not be drawn.
+    pub fn set_cull(&mut self, cull: Cull) {
+        self.surface.cull = cull;
+        self.revision.look = new_number();
     }
 
     /// Switches the circles on.
     pub fn enable_circular_trimming(&mut self) {
         self.surface.trims.circles_on = true;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the circles off; they are kept.
     pub fn disable_circular_trimming(&mut self) {
         self.surface.trims.circles_on = false;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the intervals on.
     pub fn enable_interval_trimming(&mut self) {
         self.surface.trims.intervals_on = true;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the intervals off; they are kept.
     pub fn disable_interval_trimming(&mut self) {
         self.surface.trims.intervals_on = false;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the ellipses on.
     pub fn enable_ellipse_trimming(&mut self) {
         self.surface.trims.ellipses_on = true;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the ellipses off; they are kept.
     pub fn disable_ellipse_trimming(&mut self) {
         self.surface.trims.ellipses_on = false;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the Bézier loops on.
     pub fn enable_bezier_curve_trimming(&mut self) {
         self.surface.trims.loops_on = true;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Switches the Bézier loops off; they are kept.
     pub fn disable_bezier_curve_trimming(&mut self) {
         self.surface.trims.loops_on = false;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Makes this the one circle, as the thesis' call does; [`FreeFormSurface::add_circle`] adds.
@@ -196,7 +253,7 @@ impl FreeFormSurface {
     /// A radius that is negative or not finite, a centre that is not finite.
     pub fn circular_trimming(&mut self, radius: f64, center: DVec2) -> Result<()> {
         self.surface.trims.circles = vec![Circle::new(center, radius)?];
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
@@ -206,7 +263,7 @@ impl FreeFormSurface {
     /// Bounds that are not finite or not in order.
     pub fn interval_trimming(&mut self, u: DVec2, v: DVec2) -> Result<()> {
         self.surface.trims.intervals = vec![Interval::new(u, v)?];
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
@@ -217,7 +274,7 @@ impl FreeFormSurface {
     pub fn ellipse_trimming(&mut self, radius_u: f64, radius_v: f64, center: DVec2) -> Result<()> {
         let radii = DVec2::new(radius_u, radius_v);
         self.surface.trims.ellipses = vec![Ellipse::new(center, radii)?];
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
@@ -271,7 +328,7 @@ impl FreeFormSurface {
     /// What [`Circle::new`] refuses; the surface stays as it was.
     pub fn add_circle(&mut self, circle: Circle) -> Result<()> {
         self.surface.trims.circles.push(Circle::new(circle.center, circle.radius)?);
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
@@ -281,7 +338,7 @@ impl FreeFormSurface {
     /// What [`Interval::new`] refuses; the surface stays as it was.
     pub fn add_interval(&mut self, interval: Interval) -> Result<()> {
         self.surface.trims.intervals.push(Interval::new(interval.u, interval.v)?);
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
@@ -291,7 +348,7 @@ impl FreeFormSurface {
     /// What [`Ellipse::new`] refuses; the surface stays as it was.
     pub fn add_ellipse(&mut self, ellipse: Ellipse) -> Result<()> {
         self.surface.trims.ellipses.push(Ellipse::new(ellipse.center, ellipse.radii)?);
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
@@ -304,14 +361,14 @@ impl FreeFormSurface {
         let count = trim_loop.segments().len();
         self.surface.trims.add_loop_to(trim_loop, self.segments)?;
         self.segments += count;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
         Ok(())
     }
 
     /// Chooses which side of the loops stays. The thesis' method knows [`Keep::Outside`] alone.
     pub fn set_keep(&mut self, keep: Keep) {
         self.surface.trims.keep = keep;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// Removes every trim; the switches stay as they are.
@@ -322,7 +379,7 @@ impl FreeFormSurface {
         trims.ellipses.clear();
         trims.loops.clear();
         self.segments = 0;
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     /// The trims as they are now.
@@ -358,7 +415,7 @@ impl FreeFormSurface {
     fn replace_loops(&mut self, loops: Vec<TrimLoop>) {
         self.surface.trims.loops = loops;
         self.segments = self.surface.trims.segment_count();
-        self.uploaded_trims = UploadedTrims::default();
+        self.forget_trims();
     }
 
     fn replace_nested(&mut self, outer: TrimLoop, inner: TrimLoop) -> Result<()> {
@@ -378,22 +435,49 @@ impl FreeFormSurface {
         &self.texture
     }
 
-    pub(crate) const fn control_point_buffer(&self) -> &Buffer {
+    pub(crate) const fn uploaded_points(&self) -> &ControlPoints {
         &self.control_points
     }
 
-    pub(crate) fn control_point_count(&self) -> usize {
-        self.surface.control_points().len()
+    pub(crate) fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    pub(crate) const fn cull(&self) -> Cull {
+        self.surface.cull
+    }
+
+    pub(crate) const fn revision(&self) -> Revision {
+        self.revision
+    }
+
+    /// From the driver's control points to world space.
+    pub(crate) fn points_to_world(&self) -> DMat4 {
+        self.surface.transform * self.control_points.centering().to_model()
+    }
+
+    /// What is kept from frame to frame if the surface is drawn by itself.
+    pub(crate) const fn drawing_mut(&mut self) -> &mut Option<Box<Drawing>> {
+        &mut self.drawing
+    }
+
+    /// Control points, shapes and trims at once, for the pass that uses them together.
+    pub(crate) fn for_plan(&mut self) -> (&[DVec4], &[Shape], &mut UploadedTrims) {
+        (self.surface.control_points(), &self.shapes, &mut self.uploaded_trims)
+    }
+
+    fn forget_trims(&mut self) {
+        self.uploaded_trims = UploadedTrims::default();
+        self.revision.look = new_number();
     }
 
     /// Brings what a method needs for the trims to the GPU, if it is not there yet.
     pub(crate) fn upload_trims(
         &mut self,
         gl: &Arc<glow::Context>,
-        method: Method,
-        level: TessLevel,
+        settings: &RenderSettings,
     ) -> Result<()> {
-        self.uploaded_trims.prepare(gl, &self.surface.trims, method, level)
+        self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
     }
 
     /// What was uploaded since the trims changed last.

@@ -7,10 +7,10 @@ use std::num::NonZeroU32;
 
 use freeform_surface::gpu::Program;
 use freeform_surface::renderer::programs::{
-    Pipeline, ProgramKey, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT,
-    TrimFeatures, location,
+    CONTROL_POINTS_UNIT, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING,
+    TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
-use freeform_surface::{Degree, Error, Headless, Shading};
+use freeform_surface::{Degree, Error, Headless, Normals, Shading};
 use glow::HasContext as _;
 
 use common::{Checked, backends};
@@ -59,6 +59,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
                 pipeline: Pipeline::Thesis(degree),
                 shading: Shading::Phong,
                 trims: TrimFeatures::ALL,
+                aov: false,
             };
             let program = Sources::default().link(context.gl(), key).unwrap();
             for (name, place) in [
@@ -103,6 +104,7 @@ fn the_report_program_has_the_names_of_the_report() {
             pipeline: Pipeline::Report,
             shading: Shading::Unlit,
             trims: TrimFeatures::default(),
+            aov: false,
         };
         let program = Sources::default().link(context.gl(), key).unwrap();
         for (name, place) in [
@@ -128,6 +130,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
             pipeline: Pipeline::Thesis(Degree::Cubic),
             shading: Shading::Phong,
             trims,
+            aov: false,
         };
         Sources::default().link(context.gl(), key).unwrap()
     };
@@ -163,7 +166,7 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
             (Pipeline::Thesis(Degree::Cubic), Shading::Unlit),
             (Pipeline::Report, Shading::Unlit),
         ] {
-            let key = ProgramKey { pipeline, shading, trims };
+            let key = ProgramKey { pipeline, shading, trims, aov: false };
             Sources::default().link(context.gl(), key).unwrap_or_else(|e| panic!("{key:?}: {e}"));
         }
     }
@@ -182,13 +185,15 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             shape_grid: has(3),
             ..TrimFeatures::NONE
         };
-        for (degree, samples, shading) in [
-            (Degree::Cubic, 1, Shading::Phong),
-            (Degree::Quartic, 4, Shading::Normals),
-            (Degree::Cubic, 4, Shading::Unlit),
+        for (degree, samples, shading, degenerate, normals, aov) in [
+            (Degree::Cubic, 1, Shading::Phong, false, Normals::Vertex, false),
+            (Degree::Quartic, 4, Shading::Normals, true, Normals::Pixel, false),
+            (Degree::Cubic, 4, Shading::Unlit, true, Normals::Vertex, false),
+            (Degree::Quartic, 1, Shading::Phong, false, Normals::Pixel, true),
+            (Degree::Cubic, 1, Shading::Unlit, true, Normals::Pixel, true),
         ] {
-            let pipeline = Pipeline::Exact { degree, samples };
-            let key = ProgramKey { pipeline, shading, trims };
+            let pipeline = Pipeline::Exact { degree, samples, degenerate, normals };
+            let key = ProgramKey { pipeline, shading, trims, aov };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));
@@ -196,7 +201,10 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             let words = (has(0) || has(3)).then_some(TRIM_WORDS_UNIT as i32);
             assert_eq!(unit("trimWords"), words, "{key:?}");
             assert_eq!(unit("trimPoints"), words.map(|unit| unit + 1), "{key:?}");
-            assert_eq!(program.uniform_location("tessLevel"), Some(location::TESS_LEVEL));
+            assert_eq!(unit("controlPoints"), Some(CONTROL_POINTS_UNIT as i32));
+            assert_eq!(unit("surfaces"), Some(SURFACES_UNIT as i32));
+            let to_world = aov.then_some(location::VIEW_TO_WORLD);
+            assert_eq!(program.uniform_location("viewToWorld"), to_world);
         }
     }
 }
@@ -208,6 +216,7 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
         pipeline: Pipeline::Thesis(Degree::Cubic),
         shading: Shading::Phong,
         trims: TrimFeatures::ALL,
+        aov: false,
     };
     let sources =
         Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");

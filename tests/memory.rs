@@ -9,7 +9,7 @@ use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use freeform_surface::gpu::{self, Framebuffer, Texture};
-use freeform_surface::{Frame, FreeFormSurface, Image, Renderer, Scene, TessLevel};
+use freeform_surface::{Frame, FreeFormSurface, Image, Renderer, Scene, TessLevel, Tessellation};
 use glam::dvec2;
 use glow::HasContext as _;
 
@@ -52,7 +52,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
         let mut renderer = Renderer::new(gl).unwrap();
         let scene = Scene::listing16();
         let mut settings = scene.settings;
-        settings.level = TessLevel::new(2).unwrap();
+        settings.tessellation = Tessellation::Level(TessLevel::new(2).unwrap());
         let frame = Frame { projection: scene.projection(16, 16), settings };
         target.bind();
         let mut round = || {

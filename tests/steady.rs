@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 
 use freeform_surface::gpu::Framebuffer;
 use freeform_surface::{
-    Frame, PreparedScene, Renderer, Scene, Segment, TessLevel, TrimGrid, TrimLoop,
+    Frame, PreparedScene, Renderer, Scene, Segment, TessLevel, Tessellation, TrimGrid, TrimLoop,
 };
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
@@ -103,7 +103,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_builds_uploads_and_allocates_not
     let context = Checked::new(backends()[0]);
     let gl = counted(&context);
     let mut scene = Scene::listing16();
-    scene.settings.level = TessLevel::new(4).unwrap();
+    scene.settings.tessellation = Tessellation::Level(TessLevel::new(4).unwrap());
     let surface = scene.surfaces.remove(0);
     for i in 0..1000 {
         let mut surface = surface.clone();

@@ -8,7 +8,8 @@ use freeform_surface::gpu::{Framebuffer, Texture};
 use freeform_surface::reference;
 use freeform_surface::{
     Backend, Circle, Degree, Ellipse, Frame, FreeFormSurface, Image, Interval, Method,
-    PreparedScene, RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel, TrimLoop,
+    PreparedScene, RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel,
+    Tessellation, TrimLoop,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 
@@ -39,7 +40,7 @@ impl Stage {
         let settings = RenderSettings {
             background: [0.0; 4],
             method,
-            level: TessLevel::new(4).unwrap(),
+            tessellation: Tessellation::Level(TessLevel::new(4).unwrap()),
             ..RenderSettings::default()
         };
         Self {
@@ -357,7 +358,7 @@ fn sixty_four_patches_at_level_64_equal_the_patches_one_by_one() {
 fn sixty_four_patches(points: &[DVec4], method: Method) {
     let mut scene = Scene::listing16();
     scene.settings.method = method;
-    scene.settings.level = TessLevel::MAX;
+    scene.settings.tessellation = Tessellation::Level(TessLevel::MAX);
     scene.surfaces = vec![Surface::new(Degree::Cubic, points.to_vec()).unwrap()];
     let together = render(&scene, SIZE, backends()[0]);
 

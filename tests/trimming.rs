@@ -9,8 +9,8 @@ use std::sync::Arc;
 use freeform_surface::gpu::Framebuffer;
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{
-    Circle, Frame, PreparedScene, Renderer, Samples, Scene, Segment, Shading, TessLevel, TrimGrid,
-    TrimLoop, Trims,
+    Circle, Frame, PreparedScene, Renderer, Samples, Scene, Segment, Shading, TessLevel,
+    Tessellation, TrimGrid, TrimLoop, Trims,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, dvec2, vec2};
 use glow::{HasContext, PixelPackData};
@@ -278,7 +278,7 @@ fn curved(trims: Trims) -> Scene {
     let mut scene = Scene::listing16();
     scene.settings.background = [0.0; 4];
     // A prime: the patch stays in one piece, and what is cut is drawn all the same.
-    scene.settings.level = TessLevel::new(61).unwrap();
+    scene.settings.tessellation = Tessellation::Level(TessLevel::new(61).unwrap());
     scene.surfaces[0].trims = trims;
     scene.surfaces[0].shading = Shading::Unlit;
     scene
@@ -366,7 +366,7 @@ fn parts_of_a_patch_change_nothing() {
             .unwrap();
     }
     let mut parts = whole.clone();
-    parts.settings.level = TessLevel::new(32).unwrap();
+    parts.settings.tessellation = Tessellation::Level(TessLevel::new(32).unwrap());
     let pictures =
         [&whole, &parts].map(|scene| common::render(scene, glam::UVec2::splat(512), backends()[0]));
     // Levels place triangles differently, which rounds (u, v) differently.

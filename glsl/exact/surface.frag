@@ -2,7 +2,6 @@
 //
 // SAMPLES is how many samples a pixel of the target has.
 
-in vec3 passNormal;
 in vec4 position;
 in vec2 passTessCoord;
 
@@ -27,10 +26,11 @@ void main()
         discard;
 #endif
 #if defined(PHONG)
-    fragmentColor = vec4(lit(diffuseColor, position.xyz, passNormal), 1.0);
+    fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord)), 1.0);
 #elif defined(NORMALS)
-    float size = length(passNormal);
-    fragmentColor = vec4(0.5 * (size > 0.0 ? passNormal / size : vec3(0.0)) + 0.5, 1.0);
+    vec3 normal = normalAt(passTessCoord);
+    float size = length(normal);
+    fragmentColor = vec4(0.5 * (size > 0.0 ? normal / size : vec3(0.0)) + 0.5, 1.0);
 #else
     fragmentColor = vec4(diffuseColor, 1.0);
 #endif

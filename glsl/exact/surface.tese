@@ -1,85 +1,95 @@
-// A patch by Bernstein polynomials, with the true normal. Keep in step with src/bezier.rs.
+// The vertices of a part: points of the patch and their normals.
+//
+// The cells of a part are a regular grid. Where an edge has fewer levels than the grid has cells, the
+// grid's vertices move along it to the edge's places, towards the middle of the edge, as the diagonals
+// of the cells point: no triangle then reaches further than a level of the edge, and what lies on the
+// other side of the edge has the same vertices (src/tessellation/plan.rs).
 
 layout(quads, equal_spacing, ccw) in;
 
-layout(location = 1) uniform mat4 modelMatrix;
-layout(location = 2) uniform mat4 viewMatrix;
-layout(location = 3) uniform mat4 projectionMatrix;
-
-patch in vec4 partOfPatch; // least and greatest (u, v)
+patch in uvec4 placeOfPatch;
+patch in uvec4 cutOfPatch;
+patch in mat4 toClip;
+patch in mat4 toView;
+patch in mat3 normalToView;
+#ifdef DEGENERATE
+patch in vec2 longest;
+#endif
 
 invariant gl_Position;  // parts of a patch are drawn by two programs and must meet
 out vec3 passNormal;    // view space, unit length
 out vec2 passTessCoord; // (u, v), for the trims and the texture
 out vec4 position;      // view space
-
-// Bernstein polynomials of degree SIDE - 1 at t, and their derivatives.
-void bernstein(float t, out float b[SIDE], out float slope[SIDE])
-{
-    float s = 1.0 - t;
-#if SIDE == 4
-    b = float[](s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t);
-    float lower[] = float[](s * s, 2.0 * s * t, t * t);
-#else
-    float s2 = s * s, t2 = t * t;
-    b = float[](s2 * s2, 4.0 * s2 * s * t, 6.0 * s2 * t2, 4.0 * s * t * t2, t2 * t2);
-    float lower[] = float[](s2 * s, 3.0 * s2 * t, 3.0 * s * t2, t2 * t);
+#ifdef AOV
+flat out uint passPatch;
 #endif
-    for (int i = 0; i < SIDE; ++i) {
-        float before = i > 0 ? lower[max(i - 1, 0)] : 0.0;
-        float after = i < SIDE - 1 ? lower[min(i, SIDE - 2)] : 0.0;
-        slope[i] = float(SIDE - 1) * (before - after);
-    }
+#ifdef PIXEL_NORMALS
+flat out uvec4 passPlace;
+#ifdef DEGENERATE
+flat out vec2 passLongest;
+#endif
+#endif
+
+vec4 controlPoint(int index)
+{
+    return gl_in[index].gl_Position;
 }
 
-// The homogeneous point and its derivatives along u and v.
-void evaluate(vec2 uv, out vec4 point, out vec4 du, out vec4 dv)
+// t and 1 - t along one direction: a whole number of levels over all of the patch's.
+vec2 along(float tessCoord, int cells, int levels, int part, int parts)
 {
-    float bu[SIDE], su[SIDE], bv[SIDE], sv[SIDE];
-    bernstein(uv.x, bu, su);
-    bernstein(uv.y, bv, sv);
-    point = du = dv = vec4(0.0);
-    for (int row = 0; row < SIDE; ++row) {
-        vec4 along = vec4(0.0), slope = vec4(0.0);
-        for (int column = 0; column < SIDE; ++column) {
-            vec4 controlPoint = gl_in[row * SIDE + column].gl_Position;
-            along += bu[column] * controlPoint;
-            slope += su[column] * controlPoint;
-        }
-        point += bv[row] * along;
-        du += bv[row] * slope;
-        dv += sv[row] * along;
-    }
+    int i = int(round(tessCoord * float(cells)));
+    int fromEnd = cells - i;
+    int level = i <= fromEnd ? (i * levels + cells - 1) / cells
+                             : levels - (fromEnd * levels + cells - 1) / cells;
+    int at = part * levels + level, all = parts * levels;
+    precise vec2 place = vec2(float(at), float(all - at)) / float(all);
+    return place;
 }
 
-// The normal, crossed v first as in the thesis; zero where the tangents give none: where one is as
-// short as rounding beside the other. The quotient rule's denominator shortens both alike.
-vec3 normal(vec4 point, vec4 du, vec4 dv)
+// How many levels the vertices have along one direction: those of the edge that they lie on, if any;
+// one if this is an end of that direction, so that all parts that meet there divide alike.
+int levelsAlong(float tessCoord, float across, int cells, int lowEdge, int highEdge)
 {
-    mat3 toView = mat3(viewMatrix) * mat3(modelMatrix);
-    vec3 tangentU = toView * (du.xyz * point.w - point.xyz * du.w);
-    vec3 tangentV = toView * (dv.xyz * point.w - point.xyz * dv.w);
-    vec3 crossed = cross(tangentV, tangentU);
-    float size = length(crossed);
-    float longest = max(dot(tangentU, tangentU), dot(tangentV, tangentV));
-    return size > 1e-5 * longest ? crossed / size : vec3(0.0);
+    int levels = across == 0.0 ? lowEdge : across == 1.0 ? highEdge : cells;
+    return tessCoord == 0.0 || tessCoord == 1.0 ? 1 : levels;
 }
 
 void main()
 {
-    // So that parts meet bit for bit: exact at 0 and at 1.
-    precise vec2 uv = partOfPatch.xy * (1.0 - gl_TessCoord.xy) + partOfPatch.zw * gl_TessCoord.xy;
+    ivec4 edges = ivec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
+    ivec2 cells = ivec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
+    ivec2 parts = ivec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
+    ivec2 part = ivec2(placeOfPatch.w & 0xffffu, placeOfPatch.w >> 16);
+    vec2 at = gl_TessCoord.xy;
+    int levelsU = levelsAlong(at.x, at.y, cells.x, edges.y, edges.w);
+    int levelsV = levelsAlong(at.y, at.x, cells.y, edges.x, edges.z);
+    vec2 u = along(at.x, at.x == 0.0 || at.x == 1.0 ? 1 : cells.x, levelsU, part.x, parts.x);
+    vec2 v = along(at.y, at.y == 0.0 || at.y == 1.0 ? 1 : cells.y, levelsV, part.y, parts.y);
+    vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
+
     vec4 point, du, dv;
-    evaluate(uv, point, du, dv);
-    passNormal = normal(point, du, dv);
-    if (passNormal == vec3(0.0)) {
-        // At a pole, as in the teapot's lid: the normal a little nearer the middle of the patch.
-        vec4 near, nearDu, nearDv;
-        evaluate(mix(uv, vec2(0.5), 1.0 / 1024.0), near, nearDu, nearDv);
-        passNormal = normal(near, nearDu, nearDv);
-    }
-    passTessCoord = uv;
-    vec4 viewPoint = viewMatrix * (modelMatrix * point);
+    evaluate(t, s, point, du, dv);
+#ifdef DEGENERATE
+    vec3 normal = normalToView * patchNormal(t, s, point, du, dv, longest);
+#else
+    // Crossed v first, as in the thesis.
+    vec3 normal = normalToView * cross(tangent(point, dv), tangent(point, du));
+#endif
+    float size = dot(normal, normal);
+    passNormal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
+    passTessCoord = t;
+    vec4 viewPoint = toView * point;
     position = viewPoint / viewPoint.w;
-    gl_Position = projectionMatrix * viewPoint;
+    precise vec4 clip = toClip * point;
+    gl_Position = clip;
+#ifdef AOV
+    passPatch = placeOfPatch.y;
+#endif
+#ifdef PIXEL_NORMALS
+    passPlace = placeOfPatch;
+#ifdef DEGENERATE
+    passLongest = longest;
+#endif
+#endif
 }

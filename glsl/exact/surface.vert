@@ -1,12 +1,14 @@
-// Hands a control point and the part of the domain that this instance draws on.
+// Hands on one part of a patch: the only vertex of what OpenGL takes for the patch. Its control points
+// are fetched where they are needed.
 
-layout(location = 0) in vec4 controlPoint; // homogeneous: (x·w, y·w, z·w, w)
-layout(location = 1) in vec4 part;         // least and greatest (u, v); one for each instance
+layout(location = 0) in uvec4 place; // first control point, patch, surface, column | row << 16
+layout(location = 1) in uvec4 cut;   // levels of the edges, cells, parts of the patch, nothing
 
-out vec4 partOfVertex;
+flat out uvec4 placeOfVertex;
+flat out uvec4 cutOfVertex;
 
 void main()
 {
-    gl_Position = controlPoint;
-    partOfVertex = part;
+    placeOfVertex = place;
+    cutOfVertex = cut;
 }

@@ -17,6 +17,10 @@ out vec3 passNormal;    // view space, unit length
 out vec2 passTessCoord; // (u, v), for the trims
 out vec2 passUVCoord;   // (u, v), for the texture
 out vec4 position;      // view space
+#ifdef AOV
+layout(location = 25) uniform int firstPatch; // of the draw
+flat out uint passPatch;
+#endif
 
 // Unit length, or zero where the listing would divide by zero.
 vec3 direction(vec3 v)
@@ -77,4 +81,7 @@ void main()
     vec4 viewPoint = viewMatrix * (modelMatrix * point);
     position = viewPoint / viewPoint.w;
     gl_Position = projectionMatrix * viewPoint;
+#ifdef AOV
+    passPatch = uint(firstPatch + gl_PrimitiveID);
+#endif
 }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, Framebuffer};
 use freeform_surface::{
-    Backend, Error, Frame, Headless, Image, Method, NewtonTrims, PreparedScene, Renderer, Result,
-    Samples, Scene,
+    Backend, Error, Frame, FrameFigures, Headless, Image, Method, NewtonTrims, PreparedScene,
+    Renderer, Result, Samples, Scene, Tessellation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -68,7 +68,12 @@ impl Loaded {
         let settings = &mut scene.settings;
         settings.method = arguments.method.unwrap_or(settings.method);
         settings.samples = arguments.samples.unwrap_or(settings.samples);
-        settings.level = arguments.level.unwrap_or(settings.level);
+        if let Some(level) = arguments.level {
+            settings.tessellation = Tessellation::Level(level);
+        } else if let Some(tolerance) = arguments.tolerance {
+            settings.tessellation = Tessellation::Within(tolerance);
+        }
+        settings.normals = arguments.normals.unwrap_or(settings.normals);
         settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
         settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
         if scene.settings.method == Method::Thesis {
@@ -93,6 +98,7 @@ struct Times {
     frame: Duration,
     picture: Duration,
     write: Duration,
+    figures: FrameFigures,
 }
 
 /// A context and a target that one scene after the other is drawn into.
@@ -147,8 +153,16 @@ impl Job {
         let start = Instant::now();
         output.write(&image)?;
         times.write = start.elapsed();
+        if let (Some(error), Tessellation::Within(tolerance)) =
+            (times.figures.unmet, scene.settings.tessellation)
+        {
+            let wanted = tolerance.pixels();
+            bar.suspend(|| {
+                eprintln!("freeform: {output}: tolerance {wanted} px not met, up to {error:.2} px");
+            });
+        }
         if self.verbose {
-            self.print(scene, &times);
+            self.print(&times);
         }
         Ok(())
     }
@@ -189,6 +203,7 @@ impl Job {
         let image =
             prepared.picture(&mut self.renderer, &self.target, &frame, |_, _| bar.inc(1))?;
         times.picture = start.elapsed();
+        times.figures = prepared.figures();
         let complaints = self.context.debug_log().take_errors();
         if !complaints.is_empty() {
             return Err(Error::Driver {
@@ -199,13 +214,16 @@ impl Job {
         Ok(image)
     }
 
-    fn print(&self, scene: &Scene, times: &Times) {
-        let patches: usize = scene.surfaces.iter().map(|surface| surface.patches().len()).sum();
-        let level = u64::from(scene.settings.level.get());
+    fn print(&self, times: &Times) {
+        let FrameFigures { patches, culled, triangles, draws, largest_bound, .. } = times.figures;
         let compilation = times.first_frame.saturating_sub(times.frame);
         let own = self.set_up + times.load + times.upload + times.picture + times.write;
         eprintln!("{}", self.driver());
-        eprintln!("patches {patches}, triangles {}", 2 * level * level * patches as u64);
+        eprintln!("patches {} drawn, {culled} culled", patches - culled);
+        eprintln!("triangles {triangles}, draws {draws}");
+        if let Some(bound) = largest_bound {
+            eprintln!("at most {bound:.3} px from the surface");
+        }
         for (part, time) in [
             ("driver start-up", self.start_up),
             ("shader compilation", compilation),

@@ -38,6 +38,12 @@ impl Buffer {
         }
     }
 
+    /// How many bytes it holds.
+    #[must_use]
+    pub const fn bytes(&self) -> usize {
+        self.bytes
+    }
+
     /// Overwrites values from the one numbered `first`.
     ///
     /// # Panics

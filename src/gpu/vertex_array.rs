@@ -1,4 +1,4 @@
-//! The layout of vertices that are control points.
+//! The layouts of vertices: control points, and parts of patches.
 
 use std::sync::Arc;
 
@@ -7,16 +7,11 @@ use glow::HasContext;
 use super::{Buffer, create};
 use crate::Result;
 
-/// Bytes of the one vertex attribute: four 32-bit floats.
-const VEC4_BYTES: i32 = 16;
-
-/// The vertex layout of everything that is drawn from control points: attribute 0 is one `vec4` for
-/// each vertex, attribute 1 one for each instance, if there is a buffer of them. The buffers change
-/// from draw to draw.
+/// How vertices lie in the buffer that they are drawn from, which changes from draw to draw.
 pub struct VertexArray {
     gl: Arc<glow::Context>,
     raw: glow::VertexArray,
-    buffers: u32,
+    bytes: i32,
 }
 
 impl std::fmt::Debug for VertexArray {
@@ -26,51 +21,58 @@ impl std::fmt::Debug for VertexArray {
 }
 
 impl VertexArray {
-    /// The layout of control points alone, with no buffer bound.
+    /// Control points: attribute 0 is a `vec4`.
     ///
     /// # Errors
     /// The driver has no vertex array.
-    pub fn new(gl: &Arc<glow::Context>) -> Result<Self> {
-        Self::with_buffers(gl, "control points", 1)
+    pub fn of_points(gl: &Arc<glow::Context>) -> Result<Self> {
+        let array = Self::new(gl, "control points", 16)?;
+        // SAFETY: the context is current (see the module); the array is ours.
+        unsafe {
+            gl.enable_vertex_array_attrib(array.raw, 0);
+            gl.vertex_array_attrib_format_f32(array.raw, 0, 4, glow::FLOAT, false, 0);
+            gl.vertex_array_attrib_binding_f32(array.raw, 0, 0);
+        }
+        Ok(array)
     }
 
-    /// The layout of control points and instances, with no buffer bound.
+    /// Parts of patches: attributes 0 and 1 are a `uvec4` each.
     ///
     /// # Errors
     /// The driver has no vertex array.
-    pub fn with_instances(gl: &Arc<glow::Context>) -> Result<Self> {
-        Self::with_buffers(gl, "control points and parts", 2)
+    pub fn of_parts(gl: &Arc<glow::Context>) -> Result<Self> {
+        let array = Self::new(gl, "parts of patches", 32)?;
+        for (attribute, offset) in [(0, 0), (1, 16)] {
+            // SAFETY: the context is current (see the module); the array is ours.
+            unsafe {
+                gl.enable_vertex_array_attrib(array.raw, attribute);
+                gl.vertex_array_attrib_format_i32(
+                    array.raw,
+                    attribute,
+                    4,
+                    glow::UNSIGNED_INT,
+                    offset,
+                );
+                gl.vertex_array_attrib_binding_f32(array.raw, attribute, 0);
+            }
+        }
+        Ok(array)
     }
 
-    fn with_buffers(gl: &Arc<glow::Context>, label: &str, buffers: u32) -> Result<Self> {
+    fn new(gl: &Arc<glow::Context>, label: &str, bytes: i32) -> Result<Self> {
         // SAFETY: the context is current (see the module); the array is new and ours.
         unsafe {
             let raw = create("vertex array", gl.create_named_vertex_array())?;
-            for buffer in 0..buffers {
-                gl.enable_vertex_array_attrib(raw, buffer);
-                gl.vertex_array_attrib_format_f32(raw, buffer, 4, glow::FLOAT, false, 0);
-                gl.vertex_array_attrib_binding_f32(raw, buffer, buffer);
-            }
-            if buffers > 1 {
-                // glow 0.17 has no call that needs no binding.
-                gl.bind_vertex_array(Some(raw));
-                gl.vertex_binding_divisor(1, 1);
-                gl.bind_vertex_array(None);
-            }
             gl.object_label(glow::VERTEX_ARRAY, raw.0.get(), Some(label));
-            Ok(Self { gl: Arc::clone(gl), raw, buffers })
+            Ok(Self { gl: Arc::clone(gl), raw, bytes })
         }
     }
 
-    /// Binds the layout with its buffers of `vec4`, as many as it has.
-    pub fn bind(&self, buffers: &[&Buffer]) {
-        debug_assert_eq!(buffers.len(), self.buffers as usize);
-        // SAFETY: the context is current (see the module); all objects live.
+    /// Binds the layout with a buffer of such vertices.
+    pub fn bind(&self, buffer: &Buffer) {
+        // SAFETY: the context is current (see the module); both objects live.
         unsafe {
-            for (place, buffer) in (0..).zip(buffers) {
-                let raw = Some(buffer.raw());
-                self.gl.vertex_array_vertex_buffer(self.raw, place, raw, 0, VEC4_BYTES);
-            }
+            self.gl.vertex_array_vertex_buffer(self.raw, 0, Some(buffer.raw()), 0, self.bytes);
             self.gl.bind_vertex_array(Some(self.raw));
         }
     }
@@ -80,9 +82,7 @@ impl VertexArray {
         // SAFETY: the context is current (see the module). The array must not keep a buffer alive
         // that its owner deletes.
         unsafe {
-            for place in 0..self.buffers {
-                self.gl.vertex_array_vertex_buffer(self.raw, place, None, 0, VEC4_BYTES);
-            }
+            self.gl.vertex_array_vertex_buffer(self.raw, 0, None, 0, self.bytes);
             self.gl.bind_vertex_array(None);
         }
     }

@@ -1,15 +1,19 @@
 //! A whole scene in the driver's memory.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Frame, Renderer};
+use super::{Drawing, Frame, Output, Renderer};
 use crate::gpu::Texture;
-use crate::{FreeFormSurface, Paint, Result, Scene};
+use crate::surface::{Centering, ControlPoints};
+use crate::{FrameFigures, FreeFormSurface, Paint, Result, Scene, Surface};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
 #[derive(Debug)]
 pub struct PreparedScene {
     surfaces: Vec<FreeFormSurface>,
+    drawing: Drawing,
+    figures: FrameFigures,
 }
 
 impl PreparedScene {
@@ -18,22 +22,40 @@ impl PreparedScene {
     /// # Errors
     /// Trims out of their range, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
-        let mut textures: Vec<(&Paint, Arc<Texture>)> = Vec::new();
+        let gl = renderer.gl();
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
-        for surface in &scene.surfaces {
+        if scene.surfaces.is_empty() {
+            return Ok(Self::of(surfaces));
+        }
+        let centerings = centerings(scene);
+        let points: Vec<_> =
+            scene.surfaces.iter().map(Surface::control_points).zip(centerings).collect();
+        let mut textures: Vec<(&Paint, Arc<Texture>)> = Vec::new();
+        let uploaded = ControlPoints::upload(gl, &points)?;
+        for (surface, points) in scene.surfaces.iter().zip(uploaded) {
             let paint = &surface.paint;
             let known = textures.iter().find(|(other, _)| same(other, paint));
             let texture = match known {
                 Some((_, texture)) => Arc::clone(texture),
                 None => {
-                    let texture = Arc::new(paint.upload(renderer.gl())?);
+                    let texture = Arc::new(paint.upload(gl)?);
                     textures.push((paint, Arc::clone(&texture)));
                     texture
                 }
             };
-            surfaces.push(FreeFormSurface::with_texture(renderer, surface.clone(), texture)?);
+            surfaces.push(FreeFormSurface::with_points(surface.clone(), texture, points)?);
         }
-        Ok(Self { surfaces })
+        Ok(Self::of(surfaces))
+    }
+
+    fn of(surfaces: Vec<FreeFormSurface>) -> Self {
+        Self { surfaces, drawing: Drawing::default(), figures: FrameFigures::default() }
+    }
+
+    /// What the last drawing drew.
+    #[must_use]
+    pub const fn figures(&self) -> FrameFigures {
+        self.figures
     }
 
     /// The surfaces, to be changed between frames.
@@ -48,9 +70,12 @@ impl PreparedScene {
     /// method cannot cut.
     pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
         renderer.clear(frame.settings.background);
-        for surface in &mut self.surfaces {
-            renderer.draw(surface, frame)?;
-        }
+        self.figures = renderer.draw_together(
+            &mut self.surfaces,
+            &mut self.drawing,
+            frame,
+            Output::Picture,
+        )?;
         if frame.settings.control_points {
             for surface in &self.surfaces {
                 renderer.draw_control_points(surface, frame)?;
@@ -58,6 +83,23 @@ impl PreparedScene {
         }
         Ok(())
     }
+}
+
+/// How each surface's control points are centred: those with one transform alike, so that what they have
+/// in common stays the same bit for bit.
+fn centerings(scene: &Scene) -> Vec<Centering> {
+    let key = |surface: &Surface| surface.transform.to_cols_array().map(f64::to_bits);
+    let mut groups: HashMap<[u64; 16], Vec<&Surface>> = HashMap::new();
+    for surface in &scene.surfaces {
+        groups.entry(key(surface)).or_default().push(surface);
+    }
+    let centered: HashMap<[u64; 16], Centering> = groups
+        .into_iter()
+        .map(|(key, group)| {
+            (key, Centering::of(group.into_iter().flat_map(Surface::control_points)))
+        })
+        .collect();
+    scene.surfaces.iter().map(|surface| centered[&key(surface)]).collect()
 }
 
 /// Whether two paints can share a texture: one colour, or one picture in memory.

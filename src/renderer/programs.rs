@@ -9,7 +9,7 @@ use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
-use crate::{Degree, FreeFormSurface, Result, Shading};
+use crate::{Degree, FreeFormSurface, Normals, Result, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -61,6 +61,10 @@ pub mod location {
     pub const SHOW_CONTROL_POINTS: u32 = 22;
     /// `pointSize`.
     pub const POINT_SIZE: u32 = 23;
+    /// `viewToWorld`.
+    pub const VIEW_TO_WORLD: u32 = 24;
+    /// `firstPatch`.
+    pub const FIRST_PATCH: u32 = 25;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.
@@ -69,6 +73,10 @@ pub const TRIM_POINTS_BINDING: u32 = 1;
 pub const TRIM_SHAPES_BINDING: u32 = 2;
 /// Texture unit of `trimWords`; the next is that of `trimPoints`.
 pub const TRIM_WORDS_UNIT: u32 = 1;
+/// Texture unit of `controlPoints`.
+pub const CONTROL_POINTS_UNIT: u32 = 3;
+/// Texture unit of `surfaces`.
+pub const SURFACES_UNIT: u32 = 4;
 
 /// Which stages draw something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -83,6 +91,10 @@ pub enum Pipeline {
         degree: Degree,
         /// Samples a pixel of the target.
         samples: u32,
+        /// For patches whose normal may vanish somewhere.
+        degenerate: bool,
+        /// Where normals are evaluated.
+        normals: Normals,
     },
     /// Control points as squares.
     Points,
@@ -203,6 +215,8 @@ pub struct ProgramKey {
     pub shading: Shading,
     /// The fragment stage's trims.
     pub trims: TrimFeatures,
+    /// Numbers instead of colours ([`crate::Aovs`]).
+    pub aov: bool,
 }
 
 macro_rules! glsl {
@@ -212,9 +226,12 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 15] = glsl![
+const FILES: [(&str, &str); 18] = glsl![
+    "common/aov.frag",
+    "common/normal.frag",
     "common/phong.glsl",
     "common/trim.glsl",
+    "exact/patch.glsl",
     "exact/surface.vert",
     "exact/surface.tesc",
     "exact/surface.tese",
@@ -312,9 +329,16 @@ impl Sources {
         };
         let mut defines = vec![("SIDE", side as u32)];
         let mut trim = "thesis/trim.glsl";
-        if let Pipeline::Exact { samples, .. } = key.pipeline {
-            defines.push(("SAMPLES", samples));
+        let mut pixel_normals = false;
+        if let Pipeline::Exact { samples, degenerate, normals, .. } = key.pipeline {
+            defines.push(("SAMPLES", if key.aov { 1 } else { samples }));
             trim = "common/trim.glsl";
+            pixel_normals = normals == Normals::Pixel && (key.aov || key.shading != Shading::Unlit);
+            let on = [("DEGENERATE", degenerate), ("PIXEL_NORMALS", pixel_normals)];
+            defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
+        }
+        if key.aov {
+            defines.push(("AOV", 1));
         }
         match key.shading {
             Shading::Phong => defines.push(("PHONG", 1)),
@@ -328,14 +352,24 @@ impl Sources {
         let stages: Vec<Stage> = files
             .iter()
             .map(|(kind, file)| {
-                let mut parts = Vec::with_capacity(3);
-                if *kind == Fragment && key.shading == Shading::Phong {
-                    parts.push(self.part("common/phong.glsl"));
+                let exact = matches!(key.pipeline, Pipeline::Exact { .. });
+                let mut parts = Vec::with_capacity(5);
+                if exact && (*kind == TessEvaluation || *kind == Fragment && pixel_normals) {
+                    parts.push(self.part("exact/patch.glsl"));
                 }
-                if *kind == Fragment && key.trims.any() {
-                    parts.push(self.part(trim));
+                if *kind == Fragment {
+                    if exact || key.aov {
+                        parts.push(self.part("common/normal.frag"));
+                    }
+                    if key.shading == Shading::Phong && !key.aov {
+                        parts.push(self.part("common/phong.glsl"));
+                    }
+                    if key.trims.any() {
+                        parts.push(self.part(trim));
+                    }
                 }
-                parts.push(self.part(file));
+                let aov = *kind == Fragment && key.aov;
+                parts.push(self.part(if aov { "common/aov.frag" } else { file }));
                 Stage { kind: *kind, parts }
             })
             .collect();

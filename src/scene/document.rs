@@ -5,14 +5,16 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{DMat4, DVec2, DVec3, DVec4, EulerRot};
-use serde::Deserialize;
-use serde::de::{Deserializer, SeqAccess, Visitor};
+use glam::{DMat4, DVec2, DVec3, EulerRot};
 use toml::Spanned;
 
+use super::tables::{
+    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, RenderTable, ShadingName,
+    SurfaceTable, TrimTable,
+};
 use super::{
-    Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel, bpt,
-    default_control_points, line_of, load_texture, read_text,
+    Cull, Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel,
+    Tessellation, Tolerance, bpt, default_control_points, line_of, load_texture, read_text,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
@@ -20,165 +22,6 @@ use crate::{
     Camera, Circle, Degree, Ellipse, Error, Interval, Keep, Newton, NewtonTrims, Result, Segment,
     TrimLoop, Trims,
 };
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Document {
-    camera: Option<Spanned<CameraTable>>,
-    render: Option<Spanned<RenderTable>>,
-    #[serde(default)]
-    surface: Vec<Spanned<SurfaceTable>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CameraTable {
-    eye: DVec3Value,
-    target: DVec3Value,
-    #[serde(default = "upright")]
-    up: DVec3Value,
-    fov_y_degrees: Option<f64>,
-    orthographic_height: Option<f64>,
-}
-
-type DVec3Value = [f64; 3];
-
-const fn upright() -> DVec3Value {
-    [0.0, 1.0, 0.0]
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct RenderTable {
-    background: Option<Spanned<[f32; 4]>>,
-    method: Option<Spanned<String>>,
-    samples: Option<Spanned<i64>>,
-    level: Option<Spanned<i64>>,
-    wireframe: bool,
-    control_points: bool,
-    newton: Option<Spanned<NewtonTable>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NewtonTable {
-    iterations: Option<u32>,
-    epsilon: Option<f64>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SurfaceTable {
-    control_points: Option<Spanned<ControlPoints>>,
-    file: Option<Spanned<String>>,
-    texture: Option<Spanned<String>>,
-    color: Option<Spanned<[f32; 3]>>,
-    #[serde(default)]
-    shading: ShadingName,
-    translate: Option<DVec3Value>,
-    rotate_degrees: Option<DVec3Value>,
-    scale: Option<f64>,
-    #[serde(default)]
-    keep: KeepName,
-    #[serde(default)]
-    trim: Vec<Spanned<TrimTable>>,
-}
-
-#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
-#[serde(rename_all = "lowercase")]
-enum KeepName {
-    #[default]
-    Outside,
-    Inside,
-}
-
-#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
-#[serde(rename_all = "lowercase")]
-enum ShadingName {
-    #[default]
-    Phong,
-    Texture,
-    Flat,
-    Normals,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "lowercase", deny_unknown_fields)]
-enum TrimTable {
-    Circle { center: [f64; 2], radius: f64 },
-    Interval { u: [f64; 2], v: [f64; 2] },
-    Ellipse { center: [f64; 2], radii: [f64; 2] },
-    Loop(Vec<Vec<[f64; 2]>>),
-    Path(String),
-}
-
-/// `"default"`, or points of three or four numbers.
-enum ControlPoints {
-    Default,
-    Points(Vec<DVec4>),
-}
-
-impl<'de> Deserialize<'de> for ControlPoints {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PointsVisitor;
-        impl<'de> Visitor<'de> for PointsVisitor {
-            type Value = ControlPoints;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("16 or 25 points [x, y, z] or [x, y, z, weight], or \"default\"")
-            }
-
-            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {
-                match text {
-                    "default" => Ok(ControlPoints::Default),
-                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
-                }
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-                let mut points = Vec::new();
-                while let Some(ControlPoint(point)) = seq.next_element()? {
-                    points.push(point);
-                }
-                Ok(ControlPoints::Points(points))
-            }
-        }
-        deserializer.deserialize_any(PointsVisitor)
-    }
-}
-
-/// One point; the weight is 1 where it is not given.
-struct ControlPoint(DVec4);
-
-impl<'de> Deserialize<'de> for ControlPoint {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct PointVisitor;
-        impl<'de> Visitor<'de> for PointVisitor {
-            type Value = ControlPoint;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("a point [x, y, z] or [x, y, z, weight]")
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-                let mut point = DVec4::W;
-                let mut count = 0;
-                while let Some(value) = seq.next_element()? {
-                    if count < 4 {
-                        point[count] = value;
-                    }
-                    count += 1;
-                }
-                if matches!(count, 3 | 4) {
-                    Ok(ControlPoint(point))
-                } else {
-                    Err(serde::de::Error::invalid_length(count, &self))
-                }
-            }
-        }
-        deserializer.deserialize_seq(PointVisitor)
-    }
-}
 
 /// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond
 /// `MAX_STRING_BYTES`. The toml crate takes up to 250 times as much memory; a control net that is
@@ -383,6 +226,10 @@ impl Builder<'_> {
                 ShadingName::Texture | ShadingName::Flat => Shading::Unlit,
                 ShadingName::Normals => Shading::Normals,
             };
+            surface.cull = match table.cull {
+                CullName::None => Cull::None,
+                CullName::Back => Cull::Back,
+            };
         }
         let mut trims = Trims {
             keep: match table.keep {
@@ -458,8 +305,19 @@ fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettin
     if let Some(samples) = table.samples {
         settings.samples = builder.check(samples, Samples::new)?;
     }
-    if let Some(level) = table.level {
-        settings.level = builder.check(level, TessLevel::new)?;
+    settings.tessellation = match (table.level, table.tolerance) {
+        (None, None) => Tessellation::default(),
+        (Some(level), None) => Tessellation::Level(builder.check(level, TessLevel::new)?),
+        (None, Some(tolerance)) => Tessellation::Within(builder.check(tolerance, Tolerance::new)?),
+        (Some(_), Some(tolerance)) => {
+            return Err(builder.at(
+                tolerance.span().start,
+                Error::invalid("render", "given level and tolerance", "one of them"),
+            ));
+        }
+    };
+    if let Some(normals) = table.normals {
+        settings.normals = builder.check(normals, |name| name.parse())?;
     }
     if let Some(newton) = table.newton {
         settings.newton = builder.check(newton, |table| {

@@ -8,8 +8,10 @@ use crate::gpu::{Buffer, Program, TexelBuffer};
 use crate::renderer::programs::{
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
-use crate::tessellation::Split;
-use crate::{Method, Newton, NewtonTrims, Result, TessLevel, TrimGrid, Trims};
+use crate::tessellation::{FixedParts, TrimParts};
+use crate::{
+    Method, Newton, NewtonTrims, RenderSettings, Result, TessLevel, Tessellation, TrimGrid, Trims,
+};
 
 /// What the shaders of each method read. It is made when the method first draws the surface, and is
 /// thrown away when its trims change.
@@ -20,21 +22,28 @@ pub(crate) struct UploadedTrims {
 }
 
 impl UploadedTrims {
-    /// Makes what a method needs at a level, unless it is there.
+    /// Makes what a method needs, unless it is there.
     pub(super) fn prepare(
         &mut self,
         gl: &Arc<glow::Context>,
         trims: &Trims,
-        method: Method,
-        level: TessLevel,
+        settings: &RenderSettings,
     ) -> Result<()> {
-        match (method, &mut self.exact) {
-            (Method::Thesis, _) if self.thesis.is_none() => {
+        match settings.method {
+            Method::Thesis if self.thesis.is_none() => {
                 self.thesis = Some(ThesisTrims::new(gl, trims)?);
             }
-            (Method::Exact, None) => self.exact = Some(ExactTrims::new(gl, trims, level)?),
-            (Method::Exact, Some(exact)) if exact.level != level => exact.split(gl, level)?,
-            _ => {}
+            Method::Exact => {
+                if self.exact.is_none() {
+                    self.exact = Some(ExactTrims::new(gl, trims)?);
+                }
+                if let (Some(exact), Tessellation::Level(level)) =
+                    (&mut self.exact, settings.tessellation)
+                {
+                    exact.fix(level);
+                }
+            }
+            Method::Thesis => {}
         }
         Ok(())
     }
@@ -116,33 +125,21 @@ impl ThesisTrims {
     }
 }
 
-/// The exact method's grids, and the parts of a patch that they leave to be drawn.
+/// The exact method's grid, and the parts of a patch that it leaves to be drawn.
 #[derive(Debug)]
 pub(crate) struct ExactTrims {
-    grid: TrimGrid,
+    grid: Arc<TrimGrid>,
     features: TrimFeatures,
     words: Option<TexelBuffer>,
-    level: TessLevel,
-    parts: PartList,
-}
-
-/// Parts of the domain in the driver's memory: first those that are wholly kept, then those that the
-/// trims may cut.
-#[derive(Debug)]
-pub(crate) struct PartList {
-    /// Tessellation level of each.
-    pub(crate) level: u32,
-    /// How many are wholly kept.
-    pub(crate) kept: usize,
-    /// How many must be trimmed.
-    pub(crate) trimmed: usize,
-    /// Their least and greatest (u, v). None if nothing is kept of the surface.
-    pub(crate) boxes: Option<Buffer>,
+    /// Within a tolerance.
+    parts: TrimParts,
+    /// At the level that was asked for last.
+    fixed: Option<(TessLevel, FixedParts)>,
 }
 
 impl ExactTrims {
-    fn new(gl: &Arc<glow::Context>, trims: &Trims, level: TessLevel) -> Result<Self> {
-        let grid = TrimGrid::new(trims);
+    fn new(gl: &Arc<glow::Context>, trims: &Trims) -> Result<Self> {
+        let grid = Arc::new(TrimGrid::new(trims));
         let features = TrimFeatures {
             loop_columns: grid.loop_columns(),
             finer_loops: grid.has_finer_cells(),
@@ -150,16 +147,16 @@ impl ExactTrims {
             shape_grid: grid.has_shapes(),
             ..TrimFeatures::NONE
         };
-        let words = features.any().then(|| TexelBuffer::new(gl, "trim grid", grid.words()));
-        let parts = PartList::new(gl, &grid, level)?;
-        Ok(Self { grid, features, words: words.transpose()?, level, parts })
+        let words = features.any().then(|| TexelBuffer::of_words(gl, "trim grid", grid.words()));
+        let parts = TrimParts::new(&grid);
+        Ok(Self { grid, features, words: words.transpose()?, parts, fixed: None })
     }
 
-    /// Makes the parts for another level; the grid stays.
-    fn split(&mut self, gl: &Arc<glow::Context>, level: TessLevel) -> Result<()> {
-        self.parts = PartList::new(gl, &self.grid, level)?;
-        self.level = level;
-        Ok(())
+    /// Makes the parts for a level; the grid stays.
+    fn fix(&mut self, level: TessLevel) {
+        if self.fixed.as_ref().is_none_or(|(known, _)| *known != level) {
+            self.fixed = Some((level, FixedParts::new(&self.grid, level)));
+        }
     }
 
     /// The kinds of trims that cut something.
@@ -167,8 +164,10 @@ impl ExactTrims {
         self.features
     }
 
-    pub(crate) const fn parts(&self) -> &PartList {
-        &self.parts
+    /// The parts within a tolerance, if there are trims, and those at a level, if there is one.
+    pub(crate) fn parts(&mut self) -> (Option<&mut TrimParts>, Option<&FixedParts>) {
+        let cuts = self.features.any() || self.grid.cut(Vec2::splat(0.5));
+        (cuts.then_some(&mut self.parts), self.fixed.as_ref().map(|(_, parts)| parts))
     }
 
     /// Binds what the features read.
@@ -176,14 +175,6 @@ impl ExactTrims {
         if let Some(words) = &self.words {
             words.bind(TRIM_WORDS_UNIT);
         }
-    }
-}
-
-impl PartList {
-    fn new(gl: &Arc<glow::Context>, grid: &TrimGrid, level: TessLevel) -> Result<Self> {
-        let Split { parts, kept, trimmed } = Split::new(grid, level);
-        let boxes = uploaded(gl, "parts", &[kept.as_slice(), &trimmed].concat())?;
-        Ok(Self { level: parts.level, kept: kept.len(), trimmed: trimmed.len(), boxes })
     }
 }
 

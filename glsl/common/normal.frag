@@ -1,0 +1,43 @@
+// The normal at a pixel: of the surface itself if PIXEL_NORMALS is defined, else what the triangle's
+// vertices have.
+
+#ifdef PIXEL_NORMALS
+layout(binding = 3) uniform samplerBuffer controlPoints;
+layout(binding = 4) uniform samplerBuffer surfaces;
+
+flat in uvec4 passPlace;
+#ifdef DEGENERATE
+flat in vec2 passLongest;
+#endif
+
+vec4 controlPoint(int index)
+{
+    return texelFetch(controlPoints, int(passPlace.x) + index);
+}
+
+// View space, unit length.
+vec3 normalAt(vec2 uv)
+{
+    vec2 t = clamp(uv, 0.0, 1.0), s = 1.0 - t;
+    vec4 point, du, dv;
+    evaluate(t, s, point, du, dv);
+#ifdef DEGENERATE
+    vec3 crossed = patchNormal(t, s, point, du, dv, passLongest);
+#else
+    vec3 crossed = cross(tangent(point, dv), tangent(point, du));
+#endif
+    int columns = int(passPlace.z) * 12 + 8;
+    vec3 normal = texelFetch(surfaces, columns).xyz * crossed.x
+        + texelFetch(surfaces, columns + 1).xyz * crossed.y
+        + texelFetch(surfaces, columns + 2).xyz * crossed.z;
+    float size = dot(normal, normal);
+    return size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
+}
+#else
+in vec3 passNormal;
+
+vec3 normalAt(vec2 uv)
+{
+    return passNormal;
+}
+#endif

@@ -1,0 +1,317 @@
+//! What the exact method keeps of surfaces that are drawn together from frame to frame: who is whose
+//! neighbour, which parts of the patches are drawn, and in which draws. A still scene costs its draw
+//! calls alone.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{DMat3, DMat4, DVec3, DVec4, UVec2, Vec4};
+
+use super::Frame;
+use super::programs::TrimFeatures;
+use crate::camera::Projection;
+use crate::gpu::{Buffer, TexelBuffer};
+use crate::surface::{FreeFormSurface, Revision};
+use crate::tessellation::{
+    EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen, SurfacePatches,
+    parts_of_next_draw,
+};
+use crate::{Cull, Degree, Result, Shading, Tessellation};
+
+/// Texels that the matrices of a surface take.
+const MATRIX_TEXELS: usize = 12;
+
+/// Surfaces that are drawn together.
+#[derive(Debug, Default)]
+pub(crate) struct Drawing {
+    revisions: Vec<Revision>,
+    table: EdgeTable,
+    /// What is drawn with one program and one set of textures: the parts of each list of the plan.
+    batches: Vec<Batch>,
+    /// For each surface, where its parts go.
+    lists: Vec<Lists>,
+    seen: Option<Seen>,
+    plan: Plan,
+    parts: Option<Buffer>,
+    matrices: Option<TexelBuffer>,
+    draws: Vec<Draw>,
+}
+
+/// What a plan was made for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Seen {
+    projection: Projection,
+    size: UVec2,
+    tessellation: Tessellation,
+    wireframe: bool,
+}
+
+/// What parts of several patches have in common.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Batch {
+    /// A surface that has it; the texture, the trims and the control points' buffer are its own.
+    pub(crate) surface: usize,
+    pub(crate) degree: Degree,
+    pub(crate) shading: Shading,
+    pub(crate) degenerate: bool,
+    pub(crate) trims: TrimFeatures,
+}
+
+/// A draw call: so many parts of a batch, from this one of all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Draw {
+    pub(crate) batch: usize,
+    pub(crate) first: i32,
+    pub(crate) count: i32,
+}
+
+/// What lets parts of two surfaces share a draw.
+#[derive(PartialEq, Eq, Hash)]
+struct BatchKey {
+    points: *const TexelBuffer,
+    texture: *const crate::gpu::Texture,
+    degree: Degree,
+    shading: Shading,
+    degenerate: bool,
+    /// Trims belong to one surface.
+    trimmed: Option<usize>,
+}
+
+impl Drawing {
+    /// Brings everything up to date with the surfaces and the frame. Surfaces whose trims are not there
+    /// yet get them.
+    pub(crate) fn update(
+        &mut self,
+        gl: &Arc<glow::Context>,
+        surfaces: &mut [FreeFormSurface],
+        frame: &Frame,
+        size: UVec2,
+    ) -> Result<()> {
+        for surface in &mut *surfaces {
+            surface.upload_trims(gl, &frame.settings)?;
+        }
+        let seen = Seen {
+            projection: frame.projection,
+            size,
+            tessellation: frame.settings.tessellation,
+            wireframe: frame.settings.wireframe,
+        };
+        let same = self.note_revisions(surfaces);
+        if same && self.seen == Some(seen) {
+            return Ok(());
+        }
+        // Only a whole update counts.
+        self.seen = None;
+        self.plan(surfaces, &seen);
+        self.upload(gl, surfaces, &seen)?;
+        self.seen = Some(seen);
+        Ok(())
+    }
+
+    pub(crate) fn draws(&self) -> &[Draw] {
+        &self.draws
+    }
+
+    pub(crate) fn batches(&self) -> &[Batch] {
+        &self.batches
+    }
+
+    pub(crate) const fn parts(&self) -> Option<&Buffer> {
+        self.parts.as_ref()
+    }
+
+    pub(crate) const fn matrices(&self) -> Option<&TexelBuffer> {
+        self.matrices.as_ref()
+    }
+
+    pub(crate) fn figures(&self) -> FrameFigures {
+        FrameFigures { draws: self.draws.len(), ..self.plan.figures() }
+    }
+
+    /// Finds out what changed since the last frame; false if anything did.
+    fn note_revisions(&mut self, surfaces: &[FreeFormSurface]) -> bool {
+        let now = surfaces.iter().map(FreeFormSurface::revision);
+        if self.revisions.iter().copied().eq(now.clone()) {
+            return true;
+        }
+        let known = self.revisions.iter().map(|revision| revision.points);
+        if !known.eq(now.clone().map(|revision| revision.points)) {
+            self.table = EdgeTable::new(&edge_sources(surfaces));
+        }
+        self.revisions.clear();
+        self.revisions.extend(now);
+        self.sort(surfaces);
+        false
+    }
+
+    /// Sorts the patches of all surfaces into batches.
+    fn sort(&mut self, surfaces: &[FreeFormSurface]) {
+        self.batches.clear();
+        self.lists.clear();
+        let mut known: HashMap<BatchKey, u32> = HashMap::new();
+        for (number, surface) in surfaces.iter().enumerate() {
+            let trims = surface.uploaded_trims().exact.as_ref();
+            let features = trims.map_or(TrimFeatures::NONE, |trims| trims.features());
+            let batches = &mut self.batches;
+            let mut list = |degenerate: bool, trimmed: bool| {
+                let key = BatchKey {
+                    points: Arc::as_ptr(surface.uploaded_points().texels()),
+                    texture: Arc::as_ptr(surface.texture()),
+                    degree: surface.degree(),
+                    shading: surface.shading(),
+                    degenerate,
+                    trimmed: trimmed.then_some(number),
+                };
+                *known.entry(key).or_insert_with(|| {
+                    batches.push(Batch {
+                        surface: number,
+                        degree: surface.degree(),
+                        shading: surface.shading(),
+                        degenerate,
+                        trims: if trimmed { features } else { TrimFeatures::NONE },
+                    });
+                    batches.len() as u32 - 1
+                })
+            };
+            let kept = [list(false, false), list(true, false)];
+            let trimmed = if features.any() { [list(false, true), list(true, true)] } else { kept };
+            self.lists.push(Lists { kept, trimmed });
+        }
+    }
+
+    fn plan(&mut self, surfaces: &mut [FreeFormSurface], seen: &Seen) {
+        let tolerance = match seen.tessellation {
+            Tessellation::Within(tolerance) => tolerance.pixels(),
+            Tessellation::Level(_) => 1.0,
+        };
+        let screen = Screen::new(&seen.projection, seen.size, tolerance);
+        let to_clip = seen.projection.projection * seen.projection.view;
+        let mut first_patch = 0;
+        let mut patches: Vec<SurfacePatches<'_>> = Vec::with_capacity(surfaces.len());
+        for (number, surface) in surfaces.iter_mut().enumerate() {
+            let model = *surface.model_matrix();
+            let back = (surface.cull() == Cull::Back).then(|| {
+                (
+                    eye_in_model(&seen.projection, &model),
+                    DMat3::from_mat4(model).determinant().signum(),
+                )
+            });
+            let rounding = Rounding::new(&(to_clip * surface.points_to_world()), 1.0);
+            let first_point = surface.uploaded_points().first() as u32;
+            let degree = surface.degree();
+            let (points, shapes, trims) = surface.for_plan();
+            let (trims, fixed) = trims.exact.as_mut().map_or((None, None), |trims| trims.parts());
+            patches.push(SurfacePatches {
+                degree,
+                points,
+                to_clip: to_clip * model,
+                rounding,
+                shapes,
+                back,
+                trims,
+                fixed,
+                first_point,
+                first_patch,
+                number: number as u32,
+                lists: self.lists[number],
+            });
+            first_patch += shapes.len() as u32;
+        }
+        let lists = self.batches.len();
+        match seen.tessellation {
+            Tessellation::Within(_) => {
+                self.plan.within_tolerance(&mut patches, &self.table, lists, &screen);
+            }
+            Tessellation::Level(level) => self.plan.at_level(&patches, lists, &screen, level),
+        }
+    }
+
+    /// Brings the plan and the matrices to the driver, and makes the draws.
+    fn upload(
+        &mut self,
+        gl: &Arc<glow::Context>,
+        surfaces: &[FreeFormSurface],
+        seen: &Seen,
+    ) -> Result<()> {
+        self.draws.clear();
+        let count: usize = self.plan.lists().iter().map(Vec::len).sum();
+        if count == 0 {
+            return Ok(());
+        }
+        let bytes = count * size_of::<Part>();
+        if self.parts.as_ref().is_none_or(|parts| parts.bytes() < bytes) {
+            let room = vec![0_u8; bytes.next_power_of_two()];
+            self.parts = Some(Buffer::new(gl, "parts of patches", &room)?);
+        }
+        let mut first = 0;
+        for (batch, parts) in self.plan.lists().iter().enumerate() {
+            if let Some(buffer) = &self.parts
+                && !parts.is_empty()
+            {
+                buffer.write(first, parts);
+            }
+            let mut rest = parts.as_slice();
+            while !rest.is_empty() {
+                let vertices = rest.iter().map(Part::vertices);
+                let count = parts_of_next_draw(vertices, seen.wireframe);
+                self.draws.push(Draw { batch, first: first as i32, count: count as i32 });
+                first += count;
+                rest = &rest[count..];
+            }
+        }
+        let texels: Vec<Vec4> =
+            surfaces.iter().flat_map(|surface| matrices(surface, &seen.projection)).collect();
+        match &self.matrices {
+            Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
+                matrices.buffer().write(0, &texels);
+            }
+            _ => self.matrices = Some(TexelBuffer::of_vectors(gl, "matrices", &texels)?),
+        }
+        Ok(())
+    }
+}
+
+/// Surfaces with one transform may have edges in common, if their control points were centred alike.
+fn edge_sources(surfaces: &[FreeFormSurface]) -> Vec<EdgeSource<'_>> {
+    let mut groups: HashMap<[u64; 16], u32> = HashMap::new();
+    surfaces
+        .iter()
+        .map(|surface| {
+            let bits = surface.points_to_world().to_cols_array().map(f64::to_bits);
+            let next = groups.len() as u32;
+            EdgeSource {
+                degree: surface.degree(),
+                points: surface.control_points(),
+                group: *groups.entry(bits).or_insert(next),
+            }
+        })
+        .collect()
+}
+
+/// Where the eye is, in the space of a model.
+fn eye_in_model(projection: &Projection, model: &DMat4) -> Eye {
+    let from_view = (projection.view * model).inverse();
+    // Lines of sight are parallel where clip w does not depend on the depth.
+    if projection.projection.row(3).z == 0.0 {
+        Eye::Towards(from_view.transform_vector3(DVec3::Z))
+    } else {
+        Eye::At(from_view.transform_point3(DVec3::ZERO))
+    }
+}
+
+/// The matrices of a surface in the order of `exact/surface.tesc`.
+fn matrices(surface: &FreeFormSurface, projection: &Projection) -> [Vec4; MATRIX_TEXELS] {
+    let to_view = projection.view * surface.points_to_world();
+    let to_clip = projection.projection * to_view;
+    let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);
+    // The cross product of transformed tangents is the matrix of cofactors times that of the tangents.
+    let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
+    let size = cofactors.iter().map(|column| column.abs().max_element()).fold(0.0, f64::max);
+    let size = if size > 0.0 { size } else { 1.0 };
+    let [a, b, c] = cofactors.map(|column| (column / size).as_vec3().extend(0.0));
+    let columns = |matrix: &DMat4| {
+        [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis].map(|column| column.as_vec4())
+    };
+    let ([d, e, f, g], [h, i, j, k]) = (columns(&to_clip), columns(&to_view));
+    [d, e, f, g, h, i, j, k, a, b, c, Vec4::ZERO]
+}

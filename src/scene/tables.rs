@@ -1,0 +1,177 @@
+//! The tables of a `.toml` scene as their text has them, before anything is checked.
+
+use glam::DVec4;
+use serde::Deserialize;
+use serde::de::{Deserializer, SeqAccess, Visitor};
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Document {
+    pub(super) camera: Option<Spanned<CameraTable>>,
+    pub(super) render: Option<Spanned<RenderTable>>,
+    #[serde(default)]
+    pub(super) surface: Vec<Spanned<SurfaceTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraTable {
+    pub(super) eye: DVec3Value,
+    pub(super) target: DVec3Value,
+    #[serde(default = "upright")]
+    pub(super) up: DVec3Value,
+    pub(super) fov_y_degrees: Option<f64>,
+    pub(super) orthographic_height: Option<f64>,
+}
+
+pub(super) type DVec3Value = [f64; 3];
+
+pub(super) const fn upright() -> DVec3Value {
+    [0.0, 1.0, 0.0]
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct RenderTable {
+    pub(super) background: Option<Spanned<[f32; 4]>>,
+    pub(super) method: Option<Spanned<String>>,
+    pub(super) samples: Option<Spanned<i64>>,
+    pub(super) level: Option<Spanned<i64>>,
+    pub(super) tolerance: Option<Spanned<f64>>,
+    pub(super) normals: Option<Spanned<String>>,
+    pub(super) wireframe: bool,
+    pub(super) control_points: bool,
+    pub(super) newton: Option<Spanned<NewtonTable>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NewtonTable {
+    pub(super) iterations: Option<u32>,
+    pub(super) epsilon: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SurfaceTable {
+    pub(super) control_points: Option<Spanned<ControlPoints>>,
+    pub(super) file: Option<Spanned<String>>,
+    pub(super) texture: Option<Spanned<String>>,
+    pub(super) color: Option<Spanned<[f32; 3]>>,
+    #[serde(default)]
+    pub(super) shading: ShadingName,
+    pub(super) translate: Option<DVec3Value>,
+    pub(super) rotate_degrees: Option<DVec3Value>,
+    pub(super) scale: Option<f64>,
+    #[serde(default)]
+    pub(super) keep: KeepName,
+    #[serde(default)]
+    pub(super) cull: CullName,
+    #[serde(default)]
+    pub(super) trim: Vec<Spanned<TrimTable>>,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum KeepName {
+    #[default]
+    Outside,
+    Inside,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum CullName {
+    #[default]
+    None,
+    Back,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ShadingName {
+    #[default]
+    Phong,
+    Texture,
+    Flat,
+    Normals,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub(super) enum TrimTable {
+    Circle { center: [f64; 2], radius: f64 },
+    Interval { u: [f64; 2], v: [f64; 2] },
+    Ellipse { center: [f64; 2], radii: [f64; 2] },
+    Loop(Vec<Vec<[f64; 2]>>),
+    Path(String),
+}
+
+/// `"default"`, or points of three or four numbers.
+pub(super) enum ControlPoints {
+    Default,
+    Points(Vec<DVec4>),
+}
+
+impl<'de> Deserialize<'de> for ControlPoints {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PointsVisitor;
+        impl<'de> Visitor<'de> for PointsVisitor {
+            type Value = ControlPoints;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("16 or 25 points [x, y, z] or [x, y, z, weight], or \"default\"")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {
+                match text {
+                    "default" => Ok(ControlPoints::Default),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
+                }
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut points = Vec::new();
+                while let Some(ControlPoint(point)) = seq.next_element()? {
+                    points.push(point);
+                }
+                Ok(ControlPoints::Points(points))
+            }
+        }
+        deserializer.deserialize_any(PointsVisitor)
+    }
+}
+
+/// One point; the weight is 1 where it is not given.
+struct ControlPoint(DVec4);
+
+impl<'de> Deserialize<'de> for ControlPoint {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PointVisitor;
+        impl<'de> Visitor<'de> for PointVisitor {
+            type Value = ControlPoint;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("a point [x, y, z] or [x, y, z, weight]")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut point = DVec4::W;
+                let mut count = 0;
+                while let Some(value) = seq.next_element()? {
+                    if count < 4 {
+                        point[count] = value;
+                    }
+                    count += 1;
+                }
+                if matches!(count, 3 | 4) {
+                    Ok(ControlPoint(point))
+                } else {
+                    Err(serde::de::Error::invalid_length(count, &self))
+                }
+            }
+        }
+        deserializer.deserialize_seq(PointVisitor)
+    }
+}

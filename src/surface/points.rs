@@ -1,0 +1,95 @@
+//! Control points in the driver's memory: centred and scaled in `f64`, so that 32-bit floats lose
+//! nothing wherever a model stands and whatever its size.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3, DVec4, Vec4};
+
+use crate::Result;
+use crate::bezier::homogeneous;
+use crate::gpu::{Buffer, TexelBuffer};
+
+/// A box of control points, moved to the origin and scaled to about ±1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Centering {
+    center: DVec3,
+    /// Half the size of the box, rounded up to a power of two.
+    scale: f64,
+}
+
+impl Centering {
+    /// Of the box around these points.
+    pub(crate) fn of<'a>(points: impl Iterator<Item = &'a DVec4>) -> Self {
+        let (low, high) = points
+            .map(|point| point.truncate())
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| {
+                (low.min(point), high.max(point))
+            });
+        let half = (0.5 * (high - low)).max_element();
+        // Equal points have no size. A power of two scales without rounding.
+        let half = if half > 0.0 { half } else { 1.0 };
+        Self { center: low.midpoint(high), scale: half.log2().ceil().exp2() }
+    }
+
+    /// From the driver's control points to those of the model.
+    pub(crate) fn to_model(self) -> DMat4 {
+        DMat4::from_translation(self.center) * DMat4::from_scale(DVec3::splat(self.scale))
+    }
+
+    /// A control point as the driver gets it: homogeneous.
+    fn apply(self, point: DVec4) -> Vec4 {
+        homogeneous(((point.truncate() - self.center) / self.scale).extend(point.w)).as_vec4()
+    }
+}
+
+/// The control points of a surface, in a buffer that several surfaces may share.
+#[derive(Debug)]
+pub(crate) struct ControlPoints {
+    buffer: Arc<TexelBuffer>,
+    first: usize,
+    centering: Centering,
+}
+
+impl ControlPoints {
+    /// Uploads the control points of several surfaces into one buffer; each with its centering.
+    pub(crate) fn upload(
+        gl: &Arc<glow::Context>,
+        surfaces: &[(&[DVec4], Centering)],
+    ) -> Result<Vec<Self>> {
+        let count = surfaces.iter().map(|(points, _)| points.len()).sum();
+        let mut values = Vec::with_capacity(count);
+        for (points, centering) in surfaces {
+            values.extend(points.iter().map(|point| centering.apply(*point)));
+        }
+        let buffer = Arc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
+        let mut first = 0;
+        let place = |(points, centering): &(&[DVec4], Centering)| {
+            let place = Self { buffer: Arc::clone(&buffer), first, centering: *centering };
+            first += points.len();
+            place
+        };
+        Ok(surfaces.iter().map(place).collect())
+    }
+
+    /// Overwrites one point.
+    pub(crate) fn write(&self, index: usize, point: DVec4) {
+        self.buffer.buffer().write(self.first + index, &[self.centering.apply(point)]);
+    }
+
+    /// The number of the first in the buffer.
+    pub(crate) const fn first(&self) -> usize {
+        self.first
+    }
+
+    pub(crate) const fn centering(&self) -> Centering {
+        self.centering
+    }
+
+    pub(crate) fn texels(&self) -> &Arc<TexelBuffer> {
+        &self.buffer
+    }
+
+    pub(crate) fn buffer(&self) -> &Buffer {
+        self.buffer.buffer()
+    }
+}

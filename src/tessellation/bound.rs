@@ -1,0 +1,322 @@
+//! How far triangles can lie from a patch on the screen, from its control points in clip space
+//! (Filip, Magedson, Markot 1986, under perspective and for rational patches).
+//!
+//! Over a triangle that reaches h₁ along u and h₂ along v, linear interpolation of a function g is
+//! off by at most ⅛(h₁²·max|g_uu| + 2h₁h₂·max|g_uv| + h₂²·max|g_vv|), and each second derivative is
+//! at most the largest of its control differences. What is interpolated are homogeneous clip
+//! coordinates (x, y, w), those of a rational patch not divided by its weight. For a point S of the
+//! surface, the triangle's point L of the same (u, v), ξ = x/w and δ = S − L,
+//!
+//! ```text
+//! ξ_S − ξ_L = (δx − ξ_L·δw) / S_w
+//! ```
+//!
+//! exactly, so that it is enough to bound the polynomials δx − ξ·δw and δy − η·δw for all ξ and η that
+//! can be seen. They are convex in ξ and η: the ends of the range decide.
+
+use glam::{DMat4, DVec2, DVec4, UVec2};
+
+use crate::camera::Projection;
+
+/// What the bound needs to know of a picture.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Screen {
+    /// Half of the width and height in pixels: pixels for a unit of x/w and y/w.
+    half: DVec2,
+    /// The least clip w that the near and the far plane leave of points of weight 1.
+    near: f64,
+    /// Tolerance in pixels.
+    tolerance: f64,
+}
+
+impl Screen {
+    pub(crate) fn new(projection: &Projection, size: UVec2, tolerance: f64) -> Self {
+        let (z, w) = (projection.projection.row(2), projection.projection.row(3));
+        // Depths along the view axis where z = −w and z = w, and w there.
+        let at = |sign: f64| {
+            let depth = (w.w * sign - z.w) / (z.z - w.z * sign);
+            w.z * depth + w.w
+        };
+        let near =
+            [at(-1.0), at(1.0)].into_iter().filter(|w| *w > 0.0).fold(f64::INFINITY, f64::min);
+        let near = if near.is_finite() { near } else { f64::MIN_POSITIVE };
+        Self { half: size.as_dvec2() * 0.5, near, tolerance }
+    }
+
+    pub(crate) const fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+}
+
+/// How far rounding in `f32` can move a point of a surface, for one picture: clip coordinates are off
+/// by so much.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rounding {
+    x: f64,
+    y: f64,
+    w: f64,
+}
+
+impl Rounding {
+    /// For control points within ±`extent` that are multiplied by `to_clip`.
+    pub(crate) fn new(to_clip: &DMat4, extent: f64) -> Self {
+        // Rounded control points, a sum of them and a product with a matrix: a few units in the last
+        // place of the terms' sizes. Measured errors stay below.
+        const UNIT: f64 = 1.0 / (1 << 22) as f64;
+        let size = DVec4::new(extent, extent, extent, 1.0);
+        let error = |row: DVec4| UNIT * row.abs().dot(size);
+        Self { x: error(to_clip.row(0)), y: error(to_clip.row(1)), w: error(to_clip.row(3)) }
+    }
+}
+
+/// The control points of a patch of `N` × `N` or of a part of one in clip space, row by row,
+/// multiplied by their weights.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ClipNet<const N: usize> {
+    /// x, y, z, w and the weight.
+    axes: [[[f64; N]; N]; 5],
+    /// Whether the weights differ from 1.
+    rational: bool,
+}
+
+/// How fast a patch turns on the screen: its second derivatives at most, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Curvature {
+    /// Along u.
+    pub(crate) uu: f64,
+    /// Along u and v.
+    pub(crate) uv: f64,
+    /// Along v.
+    pub(crate) vv: f64,
+}
+
+/// What the control points of a patch tell about its triangles.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bound {
+    pub(crate) curvature: Curvature,
+    /// How far rounding can move what is seen, in pixels.
+    pub(crate) rounding: f64,
+}
+
+impl<const N: usize> ClipNet<N> {
+    /// Transforms the control points (x, y, z, weight) of a patch.
+    pub(crate) fn new(points: &[DVec4], to_clip: &DMat4) -> Self {
+        let mut net = Self { axes: [[[1.0; N]; N]; 5], rational: false };
+        let rows = [0, 1, 2, 3].map(|row| to_clip.row(row));
+        for (row, points) in points.chunks_exact(N).enumerate().take(N) {
+            for (column, p) in points.iter().enumerate() {
+                let clip = rows.map(|m| m.x * p.x + m.y * p.y + m.z * p.z + m.w);
+                for (axis, value) in net.axes.iter_mut().zip(clip) {
+                    axis[row][column] = value * p.w;
+                }
+                net.axes[4][row][column] = p.w;
+                net.rational |= p.w != 1.0;
+            }
+        }
+        net
+    }
+
+    /// The least weight, and the least clip w of the points themselves.
+    fn least(&self) -> [f64; 2] {
+        let [_, _, _, w, weight] = &self.axes;
+        if !self.rational {
+            return [1.0, w.iter().flatten().copied().fold(f64::INFINITY, f64::min)];
+        }
+        w.iter()
+            .flatten()
+            .zip(weight.iter().flatten())
+            .fold([f64::INFINITY; 2], |least, (w, weight)| {
+                [least[0].min(*weight), least[1].min(w / weight)]
+            })
+    }
+
+    /// Whether all control points lie outside of one plane of the view's frustum: nothing is seen.
+    pub(crate) fn is_outside(&self) -> bool {
+        let [x, y, z, w, _] = &self.axes;
+        let mut outside = [true; 6];
+        for row in 0..N {
+            for column in 0..N {
+                let w = w[row][column];
+                for (sides, axis) in outside.chunks_exact_mut(2).zip([x, y, z]) {
+                    sides[0] &= axis[row][column] < -w;
+                    sides[1] &= axis[row][column] > w;
+                }
+            }
+        }
+        outside.contains(&true)
+    }
+
+    /// Bounds the patch on a screen.
+    pub(crate) fn bound(&self, screen: &Screen, rounding: &Rounding) -> Bound {
+        let [x, y, _, w, _] = &self.axes;
+        let least_w = w.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+        let [least_weight, least_depth] = self.least();
+        let crosses_near = least_depth < screen.near;
+        let seen = if crosses_near {
+            Seen::across_near(screen, screen.near * least_weight)
+        } else {
+            Seen {
+                px: screen.half / least_w,
+                xi: range_over(x, w),
+                eta: range_over(y, w),
+                each_axis: false,
+            }
+        };
+        let (mut uu, mut uv, mut vv) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for row in 0..N {
+            for i in 0..N - 2 {
+                let bend = |a: &[[f64; N]; N]| {
+                    (a[row][i] - a[row][i + 1]) - (a[row][i + 1] - a[row][i + 2])
+                };
+                uu = uu.max(seen.squared([x, y, w].map(bend)));
+            }
+        }
+        for i in 0..N - 2 {
+            for column in 0..N {
+                let bend = |a: &[[f64; N]; N]| {
+                    (a[i][column] - a[i + 1][column]) - (a[i + 1][column] - a[i + 2][column])
+                };
+                vv = vv.max(seen.squared([x, y, w].map(bend)));
+            }
+        }
+        for row in 0..N - 1 {
+            for i in 0..N - 1 {
+                let twist = |a: &[[f64; N]; N]| {
+                    (a[row + 1][i + 1] - a[row + 1][i]) - (a[row][i + 1] - a[row][i])
+                };
+                uv = uv.max(seen.squared([x, y, w].map(twist)));
+            }
+        }
+        let degree = (N - 1) as f64;
+        let second = degree * (degree - 1.0);
+        let depth = least_depth.max(screen.near);
+        let rounding =
+            (screen.half * DVec2::new(rounding.x + rounding.w, rounding.y + rounding.w)).length();
+        Bound {
+            curvature: Curvature {
+                uu: second * uu.sqrt(),
+                uv: degree * degree * uv.sqrt(),
+                vv: second * vv.sqrt(),
+            },
+            rounding: rounding / depth,
+        }
+    }
+
+    /// The halves, cut at the middle of u.
+    pub(crate) fn halves_along_u(&self) -> [Self; 2] {
+        let mut halves = [*self; 2];
+        for axis in 0..5 {
+            for row in 0..N {
+                let [low, high] = halved(&self.axes[axis][row]);
+                halves[0].axes[axis][row] = low;
+                halves[1].axes[axis][row] = high;
+            }
+        }
+        halves
+    }
+
+    /// The halves, cut at the middle of v.
+    pub(crate) fn halves_along_v(&self) -> [Self; 2] {
+        let mut halves = [*self; 2];
+        for axis in 0..5 {
+            for column in 0..N {
+                let [low, high] = halved(&self.axes[axis].map(|row| row[column]));
+                for row in 0..N {
+                    halves[0].axes[axis][row][column] = low[row];
+                    halves[1].axes[axis][row][column] = high[row];
+                }
+            }
+        }
+        halves
+    }
+}
+
+/// What is seen of differences of control points.
+struct Seen {
+    /// Pixels for a unit.
+    px: DVec2,
+    /// Least and greatest x/w.
+    xi: [f64; 2],
+    /// Least and greatest y/w.
+    eta: [f64; 2],
+    /// Whether each axis by itself must stay within 1/√2 of the tolerance.
+    each_axis: bool,
+}
+
+impl Seen {
+    /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
+    fn across_near(screen: &Screen, near: f64) -> Self {
+        let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
+        Self {
+            px: screen.half / near,
+            xi: [-1.0 - t.x, 1.0 + t.x],
+            eta: [-1.0 - t.y, 1.0 + t.y],
+            each_axis: true,
+        }
+    }
+
+    /// The square of a difference's size on the screen, at most.
+    fn squared(&self, [x, y, w]: [f64; 3]) -> f64 {
+        let along = |value: f64, [low, high]: [f64; 2]| {
+            (value - low * w).abs().max((value - high * w).abs())
+        };
+        let (x, y) = (self.px.x * along(x, self.xi), self.px.y * along(y, self.eta));
+        if self.each_axis { 2.0 * (x * x).max(y * y) } else { x * x + y * y }
+    }
+}
+
+/// Least and greatest value over w that can be seen.
+fn range_over<const N: usize>(values: &[[f64; N]; N], w: &[[f64; N]; N]) -> [f64; 2] {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (value, w) in values.iter().flatten().zip(w.iter().flatten()) {
+        let ratio = value / w;
+        low = low.min(ratio);
+        high = high.max(ratio);
+    }
+    [low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0)]
+}
+
+/// De Casteljau's algorithm at ½: the control points of both halves.
+fn halved<const N: usize>(line: &[f64; N]) -> [[f64; N]; 2] {
+    let (mut low, mut high) = (*line, *line);
+    for step in 1..N {
+        for i in 0..N - step {
+            high[i] = 0.5 * (high[i] + high[i + 1]);
+        }
+        low[step] = high[0];
+    }
+    [low, high]
+}
+
+impl Curvature {
+    /// The largest distance in pixels between the patch and its triangles, `n` of them a side.
+    pub(crate) fn error(&self, [along_u, along_v]: [f64; 2]) -> f64 {
+        let (h, k) = (along_u.recip(), along_v.recip());
+        (self.uu * h * h + 2.0 * self.uv * h * k + self.vv * k * k) / 8.0
+    }
+
+    /// The least whole levels along u and v whose error is within the tolerance, as many of one as of
+    /// the other asks; f64, because they may be beyond all bounds.
+    pub(crate) fn levels(&self, tolerance: f64) -> [f64; 2] {
+        let Self { uu, uv, vv } = *self;
+        // Levels in the ratio of the roots of the curvatures need the fewest triangles; where the
+        // patch is all twist, any ratio does.
+        let (a, b) = (uu.sqrt().max(0.3 * uv.sqrt()), vv.sqrt().max(0.3 * uv.sqrt()));
+        if !(uu + uv + vv).is_finite() {
+            return [f64::INFINITY; 2];
+        }
+        let alone = |curvature: f64| (curvature / (8.0 * tolerance)).sqrt().ceil().max(1.0);
+        if a == 0.0 || b == 0.0 {
+            return [alone(uu), alone(vv)];
+        }
+        // With n along u and n·b/a along v.
+        let ratio = a / b;
+        let along_u = ((uu + 2.0 * uv * ratio + vv * ratio * ratio) / (8.0 * tolerance)).sqrt();
+        let along_u = along_u.ceil().max(1.0);
+        // What rounding up leaves over serves the other direction: vv/8·k² + uv/(4n)·k ≤ rest.
+        let rest = tolerance - uu / (8.0 * along_u * along_u);
+        let linear = uv / (4.0 * along_u);
+        let inverse = (linear + (linear * linear + 0.5 * vv * rest).sqrt()) / (2.0 * rest);
+        [along_u, inverse.ceil().max(1.0)]
+    }
+}

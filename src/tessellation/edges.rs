@@ -1,0 +1,183 @@
+//! Which patches are neighbours: those that have the control points of an edge in common, in either
+//! direction. Both sides of an edge must be cut at the same places.
+
+use glam::DVec4;
+
+use crate::Degree;
+
+/// The sides of a patch in the order of `gl_TessLevelOuter`: u = 0, v = 0, u = 1, v = 1.
+pub(crate) const SIDES: usize = 4;
+
+/// For each patch, the numbers of its four edges.
+#[derive(Debug, Default)]
+pub(crate) struct EdgeTable {
+    edges: Vec<[u32; SIDES]>,
+    count: usize,
+}
+
+/// Patches that may share edges: of surfaces with one transform.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct EdgeSource<'a> {
+    pub(crate) degree: Degree,
+    /// Control points of all patches.
+    pub(crate) points: &'a [DVec4],
+    /// Surfaces of different groups have no edges in common.
+    pub(crate) group: u32,
+}
+
+/// One side of a patch, so that sides can be sorted: those that are equal stand together.
+struct Side {
+    hash: u64,
+    source: u32,
+    /// Of the source.
+    patch: u32,
+    /// Of all.
+    place: u32,
+}
+
+impl EdgeTable {
+    /// Finds the neighbours among the patches of all sources, which are counted through.
+    pub(crate) fn new(sources: &[EdgeSource<'_>]) -> Self {
+        let mut sides = Vec::new();
+        let mut patches = 0;
+        for (number, source) in (0..).zip(sources) {
+            for (patch, points) in (0..).zip(source.points.chunks_exact(source.degree.points())) {
+                for side in 0..SIDES {
+                    let hash = hash(source.group, edge(source.degree, points, side));
+                    let place = (patches * SIDES + side) as u32;
+                    sides.push(Side { hash, source: number, patch, place });
+                }
+                patches += 1;
+            }
+        }
+        sides.sort_unstable_by_key(|side| (side.hash, side.place));
+        let points_of = |side: &Side| {
+            let source = &sources[side.source as usize];
+            let all = source.degree.points();
+            let points = &source.points[side.patch as usize * all..][..all];
+            (source.group, edge(source.degree, points, side.place as usize % SIDES))
+        };
+        let mut table = Self { edges: vec![[0; SIDES]; patches], count: 0 };
+        for same_hash in sides.chunk_by(|a, b| a.hash == b.hash) {
+            // All of one hash are one edge, but for collisions.
+            for (i, side) in same_hash.iter().enumerate() {
+                let (group, points) = points_of(side);
+                let known = same_hash[..i].iter().find(|other| {
+                    let (other_group, others) = points_of(other);
+                    group == other_group && points.clone().eq(others)
+                });
+                let number = match known {
+                    Some(other) => table.number(other.place),
+                    None => {
+                        table.count += 1;
+                        table.count as u32 - 1
+                    }
+                };
+                table.edges[side.place as usize / SIDES][side.place as usize % SIDES] = number;
+            }
+        }
+        table
+    }
+
+    fn number(&self, place: u32) -> u32 {
+        self.edges[place as usize / SIDES][place as usize % SIDES]
+    }
+
+    /// How many different edges there are.
+    pub(crate) const fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The edges of a patch.
+    pub(crate) fn of(&self, patch: usize) -> [usize; SIDES] {
+        self.edges[patch].map(|edge| edge as usize)
+    }
+}
+
+/// The control points of a side, from whichever end comes first in a fixed order.
+fn edge(
+    degree: Degree,
+    points: &[DVec4],
+    side: usize,
+) -> impl Iterator<Item = [u64; 4]> + Clone + '_ {
+    let n = degree.side();
+    let (start, step) = match side {
+        0 => (0, n),
+        1 => (0, 1),
+        2 => (n - 1, n),
+        _ => (n * (n - 1), 1),
+    };
+    // Weights twice as large make the same curve.
+    let line = (0..n).map(move |i| points[start + i * step]);
+    let scale = line.map(|point| point.w).fold(0.0, f64::max).log2().floor().exp2();
+    let at = move |i: usize| {
+        let point = points[start + i * step];
+        // Adding 0 makes −0 and 0 one.
+        let point = point.truncate().extend(point.w / scale) + DVec4::ZERO;
+        point.to_array().map(f64::to_bits)
+    };
+    let reversed = (0..n).map(at).gt((0..n).rev().map(at));
+    (0..n).map(move |i| at(if reversed { n - 1 - i } else { i }))
+}
+
+/// FNV-1a over 64-bit words, its high bits mixed in.
+fn hash(group: u32, points: impl Iterator<Item = [u64; 4]>) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325 ^ u64::from(group);
+    for word in points.flatten() {
+        hash = (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        hash ^= hash >> 29;
+    }
+    hash
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A patch over the square that begins at (x, y), its points turned and mirrored by `turn`.
+    fn patch(degree: Degree, x: f64, y: f64, turn: u32) -> Vec<DVec4> {
+        let n = degree.side();
+        let last = n - 1;
+        (0..n * n)
+            .map(|i| {
+                let (mut column, mut row) = (i % n, i / n);
+                for _ in 0..turn % 4 {
+                    (column, row) = (last - row, column);
+                }
+                if turn >= 4 {
+                    (column, row) = (row, column);
+                }
+                let at = |i: usize| i as f64 / last as f64;
+                let (x, y) = (x + at(column), y + at(row));
+                DVec4::new(x, y, (3.0 * x).sin() * y, 1.0)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn neighbours_are_found_in_all_eight_orientations() {
+        for degree in [Degree::Cubic, Degree::Quartic] {
+            for turn in 0..8 {
+                let mut points = patch(degree, 0.0, 0.0, 0);
+                points.extend(patch(degree, 1.0, 0.0, turn));
+                let table = EdgeTable::new(&[EdgeSource { degree, points: &points, group: 0 }]);
+                assert_eq!(table.count(), 7, "{turn}");
+                assert!(table.of(1).contains(&table.of(0)[2]), "{turn}");
+            }
+        }
+    }
+
+    #[test]
+    fn groups_and_other_weights_keep_edges_apart() {
+        let (a, mut b) = (patch(Degree::Cubic, 0.0, 0.0, 0), patch(Degree::Cubic, 1.0, 0.0, 0));
+        let count = |a: &[DVec4], b: &[DVec4], group: u32| {
+            let source = |points, group| EdgeSource { degree: Degree::Cubic, points, group };
+            EdgeTable::new(&[source(a, 0), source(b, group)]).count()
+        };
+        assert_eq!((count(&a, &b, 0), count(&a, &b, 1)), (7, 8));
+        b[4].w = 2.0;
+        assert_eq!(count(&a, &b, 0), 8);
+        b.iter_mut().for_each(|point| point.w = 2.0);
+        assert_eq!(count(&a, &b, 0), 7);
+    }
+}

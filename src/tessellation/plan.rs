@@ -1,0 +1,582 @@
+//! The level, cull and batch pass: which parts of which patches a frame draws, and how finely.
+//!
+//! A patch's triangles form a regular grid of n × m cells, so that the bound of `bound.rs` holds for all
+//! of them whatever way a driver stitches edges to insides. An edge has one level, the larger need of
+//! its two sides; a side whose grid is finer moves its vertices to the edge's places, towards the
+//! middle of the side, as its diagonals point. Both sides then have the same vertices, and no
+//! triangle reaches further than before (`glsl/exact/surface.tese`).
+//!
+//! A patch that needs more than 32 cells a side is drawn in 2ⁱ × 2ʲ parts, each bounded by itself;
+//! levels of its edges are multiples of 2ⁱ and 2ʲ.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat4, DVec4};
+
+use super::bound::{Bound, ClipNet, Rounding, Screen};
+use super::edges::{EdgeTable, SIDES};
+use super::parts::{FixedParts, TrimParts};
+use super::shape::{Eye, Shape};
+use crate::{Degree, TessLevel};
+
+/// Cells a side from which on a patch is drawn in parts: more parts leave less to draw of what is
+/// seen only in part, fewer cost less.
+const MOST_WHOLE: f64 = 32.0;
+/// The most cells along a part that OpenGL draws.
+const MOST_CELLS: u32 = 64;
+/// A patch has at most 2⁷ parts along a side.
+const MOST_HALVINGS: u8 = 7;
+/// Rasterisers move vertices to 1/256 of a pixel.
+const SUBPIXEL: f64 = 0.003;
+/// What the tessellator's fixed-point places can add, as a share of the tolerance.
+const SHARE: f64 = 0.99;
+
+/// One part of a patch as the vertex stage reads it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Part {
+    /// The texel of the patch's first control point.
+    pub(crate) first_point: u32,
+    /// The patch's number in the scene.
+    pub(crate) patch: u32,
+    /// The number of the surface's matrices.
+    pub(crate) surface: u32,
+    /// Column and row of the part: u from bit 0, v from bit 16.
+    pub(crate) place: u32,
+    /// Levels of its four edges, 8 bits each in the order of `gl_TessLevelOuter`.
+    pub(crate) edges: u32,
+    /// Cells along u and v, 8 bits each.
+    pub(crate) cells: u32,
+    /// Parts of the patch along u (from bit 0) and v (from bit 16).
+    pub(crate) parts: u32,
+    /// Nothing; 32 bytes are quick to read.
+    pub(crate) padding: u32,
+}
+
+impl Part {
+    /// Vertices that the tessellator makes of it.
+    pub(crate) const fn vertices(&self) -> u32 {
+        ((self.cells & 0xff) + 1) * ((self.cells >> 8) + 1)
+    }
+
+    const fn triangles(&self) -> u64 {
+        2 * (self.cells & 0xff) as u64 * (self.cells >> 8) as u64
+    }
+}
+
+/// Which list a part goes to: what is drawn with one program and one set of textures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Lists {
+    /// Parts that no trim touches: of patches with normals everywhere, and of the others.
+    pub(crate) kept: [u32; 2],
+    /// Parts that a trim may cut.
+    pub(crate) trimmed: [u32; 2],
+}
+
+/// What the pass has to know of a surface.
+#[derive(Debug)]
+pub(crate) struct SurfacePatches<'a> {
+    pub(crate) degree: Degree,
+    /// (x, y, z, weight) of all patches.
+    pub(crate) points: &'a [DVec4],
+    /// From the control points' space to clip space.
+    pub(crate) to_clip: DMat4,
+    pub(crate) rounding: Rounding,
+    pub(crate) shapes: &'a [Shape],
+    /// Where it is seen from and whether its matrix mirrors (−1), if what faces away is left out.
+    pub(crate) back: Option<(Eye, f64)>,
+    pub(crate) trims: Option<&'a mut TrimParts>,
+    /// Parts of its patches at the frame's level, if it has one.
+    pub(crate) fixed: Option<&'a FixedParts>,
+    pub(crate) first_point: u32,
+    pub(crate) first_patch: u32,
+    pub(crate) number: u32,
+    pub(crate) lists: Lists,
+}
+
+/// What a frame drew.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FrameFigures {
+    /// Patches of the scene.
+    pub patches: usize,
+    /// Those of which nothing was drawn: out of sight, cut away, or facing away where that is asked for.
+    pub culled: usize,
+    /// Triangles that were drawn.
+    pub triangles: u64,
+    /// Draw calls.
+    pub draws: usize,
+    /// How far a point on the screen can be from the surface at most, in pixels; the thesis' method
+    /// does not know.
+    pub largest_bound: Option<f64>,
+    /// The same if it is above the tolerance because a limit was reached: of 2¹³ cells a side, or of
+    /// what 32-bit floats can tell apart.
+    pub unmet: Option<f64>,
+}
+
+/// What is decided about a patch.
+#[derive(Debug, Clone, Copy, Default)]
+struct State {
+    drawn: bool,
+    /// Halvings along u and v.
+    halvings: [u8; 2],
+    /// Cells along u and v if there are no halvings.
+    cells: [u8; 2],
+    /// Where its parts' cells begin if there are halvings.
+    first_cell: u32,
+}
+
+/// An edge's level and the halvings of its sides.
+#[derive(Debug, Clone, Copy, Default)]
+struct Edge {
+    level: u32,
+    halvings: u8,
+}
+
+impl Edge {
+    /// The level, rounded up so that every side's parts have whole ones.
+    const fn rounded(self) -> u32 {
+        self.level.next_multiple_of(1 << self.halvings)
+    }
+}
+
+/// A part of a patch while it is being halved.
+#[derive(Debug, Clone, Copy)]
+struct Leaf {
+    halvings: [u8; 2],
+    place: [u32; 2],
+    /// None if it is not seen.
+    cells: Option<[u8; 2]>,
+}
+
+/// The pass with its memory, which is kept from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    states: Vec<State>,
+    edges: Vec<Edge>,
+    /// Cells along u and v of the parts of halved patches; 0 where nothing is drawn.
+    cells: Vec<[u8; 2]>,
+    leaves: Vec<Leaf>,
+    lists: Vec<Vec<Part>>,
+    figures: FrameFigures,
+}
+
+impl Plan {
+    /// The parts of each list.
+    pub(crate) fn lists(&self) -> &[Vec<Part>] {
+        &self.lists
+    }
+
+    pub(crate) const fn figures(&self) -> FrameFigures {
+        self.figures
+    }
+
+    fn clear(&mut self, lists: usize) {
+        self.states.clear();
+        self.edges.clear();
+        self.cells.clear();
+        self.lists.resize_with(lists, Vec::new);
+        self.lists.iter_mut().for_each(Vec::clear);
+        self.figures = FrameFigures::default();
+    }
+
+    /// Plans a frame at one level for all patches.
+    pub(crate) fn at_level(
+        &mut self,
+        surfaces: &[SurfacePatches<'_>],
+        lists: usize,
+        screen: &Screen,
+        level: TessLevel,
+    ) {
+        self.clear(lists);
+        for surface in surfaces {
+            match surface.degree {
+                Degree::Cubic => self.surface_at_level::<4>(surface, screen, level),
+                Degree::Quartic => self.surface_at_level::<5>(surface, screen, level),
+            }
+        }
+    }
+
+    fn surface_at_level<const N: usize>(
+        &mut self,
+        surface: &SurfacePatches<'_>,
+        screen: &Screen,
+        level: TessLevel,
+    ) {
+        let fixed = surface.fixed.expect("a frame at a level has parts for it");
+        let sides = [fixed.parts.side; 2];
+        let level = f64::from(level.get());
+        for patch in 0..surface.shapes.len() {
+            self.figures.patches += 1;
+            let Some(net) = seen_net::<N>(surface, patch) else {
+                self.figures.culled += 1;
+                continue;
+            };
+            let bound = net.bound(screen, &surface.rounding);
+            self.note_error(bound.curvature.error([level; 2]) + bound.rounding);
+            let cells = [fixed.parts.level; 2];
+            let degenerate = usize::from(surface.shapes[patch].may_degenerate());
+            for (list, places) in [
+                (surface.lists.kept[degenerate], &fixed.kept),
+                (surface.lists.trimmed[degenerate], &fixed.trimmed),
+            ] {
+                for place in places {
+                    let edges = [fixed.parts.level; SIDES];
+                    self.push(surface, patch, list, sides, *place, cells, edges);
+                }
+            }
+            self.figures.culled += usize::from(fixed.kept.is_empty() && fixed.trimmed.is_empty());
+        }
+    }
+
+    /// Plans a frame within the screen's tolerance.
+    pub(crate) fn within_tolerance(
+        &mut self,
+        surfaces: &mut [SurfacePatches<'_>],
+        table: &EdgeTable,
+        lists: usize,
+        screen: &Screen,
+    ) {
+        self.clear(lists);
+        self.edges.resize(table.count(), Edge::default());
+        for surface in &mut *surfaces {
+            match surface.degree {
+                Degree::Cubic => self.surface_within::<4>(surface, table, screen),
+                Degree::Quartic => self.surface_within::<5>(surface, table, screen),
+            }
+        }
+        self.agree(table);
+        for surface in surfaces {
+            for patch in 0..surface.shapes.len() {
+                self.emit(surface, patch, table);
+            }
+        }
+    }
+
+    fn note_error(&mut self, error: f64) {
+        let known = self.figures.largest_bound.unwrap_or(0.0);
+        self.figures.largest_bound = Some(known.max(error));
+    }
+
+    /// Decides about the patches of a surface, each by itself.
+    fn surface_within<const N: usize>(
+        &mut self,
+        surface: &mut SurfacePatches<'_>,
+        table: &EdgeTable,
+        screen: &Screen,
+    ) {
+        for patch in 0..surface.shapes.len() {
+            let number = self.states.len();
+            self.figures.patches += 1;
+            let state = seen_net::<N>(surface, patch)
+                .map(|net| self.decide(&net, screen, &surface.rounding))
+                .and_then(|state| self.without_cut_parts(state, surface.trims.as_deref_mut()))
+                .unwrap_or_default();
+            self.figures.culled += usize::from(!state.drawn);
+            self.states.push(state);
+            if state.drawn {
+                self.ask(state, table.of(number));
+            }
+        }
+    }
+
+    /// How finely a patch that is seen must be cut.
+    fn decide<const N: usize>(
+        &mut self,
+        net: &ClipNet<N>,
+        screen: &Screen,
+        rounding: &Rounding,
+    ) -> State {
+        let bound = net.bound(screen, rounding);
+        let levels = self.levels_of(&bound, screen, false);
+        if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE {
+            let cells = levels.map(|level| level as u8);
+            return State { drawn: true, cells, ..State::default() };
+        }
+        self.leaves.clear();
+        self.halve(net, screen, rounding, Leaf { halvings: [0; 2], place: [0; 2], cells: None });
+        self.gather()
+    }
+
+    /// The levels that a bound asks for. What cannot be met is noted if these are the last.
+    fn levels_of(&mut self, bound: &Bound, screen: &Screen, last: bool) -> [f64; 2] {
+        let tolerance = screen.tolerance();
+        let wanted = SHARE * tolerance - SUBPIXEL - bound.rounding;
+        // Beyond that more triangles do not help.
+        let aim = wanted.max(0.25 * tolerance);
+        let levels = bound.curvature.levels(aim);
+        let most = f64::from(MOST_CELLS);
+        let met = levels[0] <= most && levels[1] <= most;
+        if last || (levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE) {
+            let levels = levels.map(|level| level.min(most));
+            let error = bound.curvature.error(levels) + bound.rounding;
+            self.note_error(error);
+            if !met || wanted < aim {
+                self.figures.unmet = Some(self.figures.unmet.unwrap_or(0.0).max(error));
+            }
+            return levels;
+        }
+        levels
+    }
+
+    /// Halves a part until it needs few cells or is not seen.
+    fn halve<const N: usize>(
+        &mut self,
+        net: &ClipNet<N>,
+        screen: &Screen,
+        rounding: &Rounding,
+        part: Leaf,
+    ) {
+        if net.is_outside() {
+            self.leaves.push(part);
+            return;
+        }
+        let bound = net.bound(screen, rounding);
+        let last = part.halvings == [MOST_HALVINGS; 2];
+        let levels = self.levels_of(&bound, screen, last);
+        let needs =
+            [0, 1].map(|axis| levels[axis] > MOST_WHOLE && part.halvings[axis] < MOST_HALVINGS);
+        let axis = match needs {
+            [false, false] => {
+                let cells = if last {
+                    levels
+                } else {
+                    // One direction may have no halvings left.
+                    self.levels_of(&bound, screen, true)
+                };
+                self.leaves.push(Leaf { cells: Some(cells.map(|level| level as u8)), ..part });
+                return;
+            }
+            [true, true] => usize::from(levels[1] > levels[0]),
+            [along_u, _] => usize::from(!along_u),
+        };
+        let halves = if axis == 0 { net.halves_along_u() } else { net.halves_along_v() };
+        for (i, half) in (0..).zip(&halves) {
+            let mut part = part;
+            part.halvings[axis] += 1;
+            part.place[axis] = 2 * part.place[axis] + i;
+            self.halve(half, screen, rounding, part);
+        }
+    }
+
+    /// Spreads the leaves over a grid of parts that all have the size of the smallest.
+    fn gather(&mut self) -> State {
+        let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
+        let most = |axis: usize| seen().map(|leaf| leaf.halvings[axis]).max();
+        let (Some(along_u), Some(along_v)) = (most(0), most(1)) else { return State::default() };
+        let halvings = [along_u, along_v];
+        let first_cell = self.new_cells(halvings);
+        for leaf in &self.leaves {
+            let Some(cells) = leaf.cells else { continue };
+            let more = [0, 1].map(|axis| halvings[axis] - leaf.halvings[axis]);
+            let cells = [0, 1].map(|axis| u32::from(cells[axis]).div_ceil(1 << more[axis]) as u8);
+            for v in leaf.place[1] << more[1]..(leaf.place[1] + 1) << more[1] {
+                for u in leaf.place[0] << more[0]..(leaf.place[0] + 1) << more[0] {
+                    let place = first_cell + ((v << along_u) + u) as usize;
+                    self.cells[place] = cells;
+                }
+            }
+        }
+        State { drawn: true, halvings, cells: [0; 2], first_cell: first_cell as u32 }
+    }
+
+    fn new_cells(&mut self, halvings: [u8; 2]) -> usize {
+        let first = self.cells.len();
+        self.cells.resize(first + (1 << (halvings[0] + halvings[1])), [0; 2]);
+        first
+    }
+
+    /// Halves the parts of a patch along one axis; levels are halved with them.
+    fn refine(&mut self, state: &mut State, axis: usize) {
+        let old = *state;
+        state.halvings[axis] += 1;
+        let first = self.new_cells(state.halvings);
+        let columns = 1 << state.halvings[0];
+        for i in 0..1_usize << (state.halvings[0] + state.halvings[1]) {
+            let mut place = [i % columns, i / columns];
+            place[axis] /= 2;
+            let mut cells = self.cells_of(&old, place);
+            cells[axis] = cells[axis].div_ceil(2);
+            self.cells[first + i] = cells;
+        }
+        state.first_cell = first as u32;
+        state.cells = [0; 2];
+    }
+
+    /// Cells of the part in a column and row.
+    fn cells_of(&self, state: &State, [column, row]: [usize; 2]) -> [u8; 2] {
+        if state.halvings == [0; 2] {
+            return state.cells;
+        }
+        self.cells[state.first_cell as usize + (row << state.halvings[0]) + column]
+    }
+
+    /// Leaves out what the trims cut; none if that is all. A patch that they cut is drawn in parts, as
+    /// far as its level gives them.
+    fn without_cut_parts(&mut self, state: State, trims: Option<&mut TrimParts>) -> Option<State> {
+        let (mut state, Some(trims)) = (state, trims) else { return Some(state) };
+        if !state.drawn {
+            return None;
+        }
+        if state.halvings == [0; 2] {
+            let wanted = trims.halvings(state.cells);
+            for axis in 0..2 {
+                while state.halvings[axis] < wanted[axis] {
+                    self.refine(&mut state, axis);
+                }
+            }
+        }
+        let cuts = trims.cuts(state.halvings);
+        if state.halvings == [0; 2] {
+            return cuts[0].is_drawn().then_some(state);
+        }
+        let cells = &mut self.cells[state.first_cell as usize..][..cuts.len()];
+        for (cells, cut) in cells.iter_mut().zip(cuts) {
+            if !cut.is_drawn() {
+                *cells = [0; 2];
+            }
+        }
+        cells.iter().any(|cells| *cells != [0; 2]).then_some(state)
+    }
+
+    /// Tells a patch's edges what it needs of them.
+    fn ask(&mut self, state: State, edges: [usize; SIDES]) {
+        for (side, edge) in edges.into_iter().enumerate() {
+            let axis = axis_of(side);
+            let level = self.along_side(&state, side) << state.halvings[axis];
+            let edge = &mut self.edges[edge];
+            edge.level = edge.level.max(level);
+            edge.halvings = edge.halvings.max(state.halvings[axis]);
+        }
+    }
+
+    /// The most cells of a part along a side.
+    fn along_side(&self, state: &State, side: usize) -> u32 {
+        let axis = axis_of(side);
+        if state.halvings == [0; 2] {
+            return state.cells[axis].into();
+        }
+        let last = state.halvings.map(|halvings| (1_usize << halvings) - 1);
+        let across = if side < 2 { 0 } else { last[1 - axis] };
+        let cells = (0..=last[axis]).map(|i| {
+            let place = if axis == 0 { [i, across] } else { [across, i] };
+            self.cells_of(state, place)[axis]
+        });
+        cells.max().unwrap_or(0).into()
+    }
+
+    /// Halves patches until no part's edge has more cells than OpenGL draws.
+    fn agree(&mut self, table: &EdgeTable) {
+        if self.edges.iter().all(|edge| edge.level <= MOST_CELLS && edge.halvings == 0) {
+            return;
+        }
+        loop {
+            let mut changed = false;
+            for patch in 0..self.states.len() {
+                let mut state = self.states[patch];
+                if !state.drawn {
+                    continue;
+                }
+                for (side, edge) in table.of(patch).into_iter().enumerate() {
+                    let axis = axis_of(side);
+                    while self.edges[edge].rounded() >> state.halvings[axis] > MOST_CELLS {
+                        self.refine(&mut state, axis);
+                        changed = true;
+                        self.ask(state, table.of(patch));
+                    }
+                }
+                self.states[patch] = state;
+            }
+            if !changed {
+                break;
+            }
+        }
+    }
+
+    /// Puts the parts of a patch into their lists.
+    fn emit(&mut self, surface: &mut SurfacePatches<'_>, patch: usize, table: &EdgeTable) {
+        let number = surface.first_patch as usize + patch;
+        let state = self.states[number];
+        if !state.drawn {
+            return;
+        }
+        let degenerate = usize::from(surface.shapes[patch].may_degenerate());
+        let sides = state.halvings.map(|halvings| 1_u32 << halvings);
+        let borders = table.of(number);
+        let borders = [0, 1, 2, 3]
+            .map(|side| self.edges[borders[side]].rounded() >> state.halvings[axis_of(side)]);
+        let mut trims = surface.trims.take();
+        let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.halvings));
+        let last = sides.map(|parts| parts as usize - 1);
+        for row in 0..=last[1] {
+            for column in 0..=last[0] {
+                let own = self.cells_of(&state, [column, row]);
+                if own == [0; 2] {
+                    continue;
+                }
+                let with = |neighbour: Option<[usize; 2]>, border: u32, axis: usize| match neighbour
+                {
+                    None => border,
+                    Some(place) => u32::from(own[axis].max(self.cells_of(&state, place)[axis])),
+                };
+                let edges = [
+                    with(column.checked_sub(1).map(|left| [left, row]), borders[0], 1),
+                    with(row.checked_sub(1).map(|below| [column, below]), borders[1], 0),
+                    with((column < last[0]).then_some([column + 1, row]), borders[2], 1),
+                    with((row < last[1]).then_some([column, row + 1]), borders[3], 0),
+                ];
+                let mut cells = [edges[1].max(edges[3]), edges[0].max(edges[2])];
+                if cells != [1, 1] {
+                    // OpenGL draws no patch with one cell along one side and several along another.
+                    cells = cells.map(|cells| cells.max(2));
+                }
+                let cut = cuts.map(|cuts| cuts[(row << state.halvings[0]) + column]);
+                let list = if cut.is_some_and(|cut| cut.is_trimmed()) {
+                    surface.lists.trimmed[degenerate]
+                } else {
+                    surface.lists.kept[degenerate]
+                };
+                let place = [column as u32, row as u32];
+                self.push(surface, patch, list, sides, place, cells, edges);
+            }
+        }
+        surface.trims = trims;
+    }
+
+    fn push(
+        &mut self,
+        surface: &SurfacePatches<'_>,
+        patch: usize,
+        list: u32,
+        sides: [u32; 2],
+        place: [u32; 2],
+        cells: [u32; 2],
+        edges: [u32; SIDES],
+    ) {
+        let part = Part {
+            first_point: surface.first_point + (patch * surface.degree.points()) as u32,
+            patch: surface.first_patch + patch as u32,
+            surface: surface.number,
+            place: place[0] | place[1] << 16,
+            edges: edges[0] | edges[1] << 8 | edges[2] << 16 | edges[3] << 24,
+            cells: cells[0] | cells[1] << 8,
+            parts: sides[0] | sides[1] << 16,
+            padding: 0,
+        };
+        self.figures.triangles += part.triangles();
+        self.lists[list as usize].push(part);
+    }
+}
+
+/// The axis that a side runs along: sides u = 0 and u = 1 run along v.
+const fn axis_of(side: usize) -> usize {
+    1 - side % 2
+}
+
+/// A patch in clip space, unless it is out of sight or faces away where that counts.
+fn seen_net<const N: usize>(surface: &SurfacePatches<'_>, patch: usize) -> Option<ClipNet<N>> {
+    let points = &surface.points[patch * N * N..][..N * N];
+    if surface.back.is_some_and(|(eye, sign)| surface.shapes[patch].faces_away(points, eye, sign)) {
+        return None;
+    }
+    let net = ClipNet::new(points, &surface.to_clip);
+    (!net.is_outside()).then_some(net)
+}
