@@ -7,6 +7,7 @@
 
 mod buffer;
 mod debug;
+mod float_target;
 mod framebuffer;
 mod program;
 mod texel_buffer;
@@ -18,6 +19,7 @@ use glow::HasContext;
 
 pub use buffer::Buffer;
 pub use debug::DebugLog;
+pub use float_target::FloatTarget;
 pub use framebuffer::Framebuffer;
 pub use program::{Program, ShaderPart, Stage, StageKind};
 pub use texel_buffer::TexelBuffer;

@@ -197,7 +197,7 @@ impl Drop for Framebuffer {
 }
 
 /// The memory of one attachment.
-struct Renderbuffer {
+pub(super) struct Renderbuffer {
     gl: Arc<glow::Context>,
     raw: glow::Renderbuffer,
     size: [i32; 2],
@@ -205,7 +205,7 @@ struct Renderbuffer {
 }
 
 impl Renderbuffer {
-    fn new(
+    pub(super) fn new(
         gl: &Arc<glow::Context>,
         label: &str,
         format: u32,
@@ -224,6 +224,10 @@ impl Renderbuffer {
             gl.object_label(glow::RENDERBUFFER, raw.0.get(), Some(label));
             Ok(Self { gl: Arc::clone(gl), raw, size, samples })
         }
+    }
+
+    pub(super) const fn raw(&self) -> glow::Renderbuffer {
+        self.raw
     }
 }
 

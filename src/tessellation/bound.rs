@@ -320,3 +320,196 @@ impl Curvature {
         [along_u, inverse.ceil().max(1.0)]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bezier::Patch;
+    use crate::camera::{Camera, Lens};
+    use crate::{Degree, bezier::bernstein};
+    use glam::{DVec3, dvec2};
+    use proptest::prelude::*;
+
+    const SIZE: UVec2 = UVec2::new(640, 400);
+    const EXACT: Rounding = Rounding { x: 0.0, y: 0.0, w: 0.0 };
+
+    /// As many cases as asked for, where a long run is asked for.
+    fn cases(long: u32) -> ProptestConfig {
+        let is_long = std::env::var_os("FREEFORM_TEST_LONG").is_some();
+        ProptestConfig { cases: if is_long { long } else { 500 }, ..ProptestConfig::default() }
+    }
+
+    fn points(degree: Degree) -> impl Strategy<Value = Vec<DVec4>> {
+        // Bumps of any roughness, weights up to a thousand apart in a quarter of the cases.
+        let weights = prop_oneof![3 => Just(0.0), 1 => 0.0..3.5_f64];
+        let numbers = prop::collection::vec(prop::array::uniform4(-1.0..1.0_f64), degree.points());
+        (numbers, 0.0..1.0_f64, weights).prop_map(move |(numbers, rough, spread)| {
+            let side = degree.side();
+            let place = |i: usize| i as f64 / (side - 1) as f64 - 0.5;
+            let point = |(i, [x, y, z, w]): (usize, &[f64; 4])| {
+                let flat = DVec3::new(place(i % side), place(i / side), 0.0);
+                (flat + rough * DVec3::new(*x, *y, *z)).extend((spread * w).exp())
+            };
+            numbers.iter().enumerate().map(point).collect()
+        })
+    }
+
+    fn projection() -> impl Strategy<Value = Projection> {
+        let direction = prop::array::uniform3(-1.0..1.0_f64);
+        (direction, 0.1..8.0_f64, any::<bool>()).prop_filter_map("an eye", |(to, far, flat)| {
+            let eye = DVec3::from(to).try_normalize()? * far;
+            let lens = if flat {
+                Lens::Orthographic { height: 2.0 }
+            } else {
+                Lens::Perspective { fov_y_radians: 0.8 }
+            };
+            let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, lens).ok()?;
+            let corners = [DVec3::splat(-2.0), DVec3::splat(2.0)];
+            Some(camera.projection(corners.into_iter(), f64::from(SIZE.x) / f64::from(SIZE.y)))
+        })
+    }
+
+    /// The homogeneous point of a patch.
+    fn homogeneous_at(degree: Degree, points: &[DVec4], u: f64, v: f64) -> DVec4 {
+        let n = degree.side();
+        let weigh = |(i, point): (usize, &DVec4)| {
+            let weight = bernstein(n - 1, i % n, u) * bernstein(n - 1, i / n, v);
+            (point.truncate() * point.w).extend(point.w) * weight
+        };
+        points.iter().enumerate().map(weigh).sum()
+    }
+
+    /// The largest distance on the screen at random places of random triangles, each in a box of the
+    /// size of a cell; those places that can be seen.
+    fn measured(
+        degree: Degree,
+        points: &[DVec4],
+        projection: &Projection,
+        levels: [f64; 2],
+        random: &[[f64; 8]],
+    ) -> f64 {
+        let to_clip = projection.projection * projection.view;
+        let clip = |u: f64, v: f64| to_clip * homogeneous_at(degree, points, u, v);
+        let px = |p: DVec4| dvec2(p.x, p.y) / p.w * SIZE.as_dvec2() * 0.5;
+        let mut most = 0.0_f64;
+        for numbers in random {
+            let cell = [0, 1].map(|i| (numbers[i] * levels[i]).floor().min(levels[i] - 1.0));
+            // Corners of the cell or places on its border: what stitching may use.
+            let corners = [2, 3, 4].map(|i| {
+                let along = numbers[i] * 4.0;
+                let rest = along.fract();
+                let (x, y) = match along as u32 {
+                    0 => (rest.round(), 0.0),
+                    1 => (1.0, rest.round()),
+                    2 => (rest, 1.0),
+                    _ => (0.0, rest.round()),
+                };
+                [(cell[0] + x) / levels[0], (cell[1] + y) / levels[1]]
+            });
+            let sum = numbers[5] + numbers[6] + numbers[7];
+            let weights = [5, 6, 7].map(|i| numbers[i] / sum);
+            let mut linear = DVec4::ZERO;
+            let mut at = [0.0; 2];
+            for (corner, weight) in corners.iter().zip(weights) {
+                linear += clip(corner[0], corner[1]) * weight;
+                at = [0, 1].map(|i| at[i] + corner[i] * weight);
+            }
+            let w = linear.w;
+            let seen = w > 0.0 && [linear.x, linear.y, linear.z].iter().all(|c| c.abs() <= w);
+            let point = clip(at[0], at[1]);
+            if seen {
+                assert!(point.w > 0.0, "a point behind the eye");
+                most = most.max(px(linear).distance(px(point)));
+            }
+        }
+        most
+    }
+
+    fn check(
+        degree: Degree,
+        points: &[DVec4],
+        projection: &Projection,
+        tolerance: f64,
+        random: &[[f64; 8]],
+    ) -> Result<(), TestCaseError> {
+        let screen = Screen::new(projection, SIZE, tolerance);
+        let to_clip = projection.projection * projection.view;
+        let (curvature, outside) = match degree {
+            Degree::Cubic => {
+                let net = ClipNet::<4>::new(points, &to_clip);
+                (net.bound(&screen, &EXACT).curvature, net.is_outside())
+            }
+            Degree::Quartic => {
+                let net = ClipNet::<5>::new(points, &to_clip);
+                (net.bound(&screen, &EXACT).curvature, net.is_outside())
+            }
+        };
+        let levels = curvature.levels(tolerance);
+        prop_assert!(levels.iter().all(|level| *level >= 1.0 && level.fract() == 0.0));
+        prop_assert!(curvature.error(levels) <= tolerance * (1.0 + 1e-9));
+        let error = measured(degree, points, projection, levels, random);
+        prop_assert!(error <= tolerance * (1.0 + 1e-6), "{error} at {levels:?}");
+        if outside {
+            prop_assert_eq!(measured(degree, points, projection, [1.0; 2], random), 0.0);
+            let patch = Patch::new(degree, points);
+            for numbers in random {
+                let clip = to_clip * patch.at(numbers[0], numbers[1]).position.extend(1.0);
+                let inside = clip.truncate().abs().max_element() < clip.w;
+                prop_assert!(!inside, "{clip} is seen");
+            }
+        }
+        Ok(())
+    }
+
+    fn random() -> impl Strategy<Value = Vec<[f64; 8]>> {
+        prop::collection::vec(prop::array::uniform8(0.0..1.0_f64), 300)
+    }
+
+    proptest! {
+        #![proptest_config(cases(20_000))]
+
+        #[test]
+        fn no_triangle_of_a_cell_is_further_than_the_tolerance(
+            points in prop_oneof![points(Degree::Cubic), points(Degree::Quartic)],
+            projection in projection(),
+            tolerance in prop_oneof![Just(0.25), Just(0.5), Just(2.0), 0.05..10.0_f64],
+            random in random(),
+        ) {
+            let degree = Degree::from_point_count(points.len()).unwrap();
+            check(degree, &points, &projection, tolerance, &random)?;
+        }
+
+        #[test]
+        fn halves_are_parts_of_the_patch(
+            points in points(Degree::Quartic),
+            projection in projection(),
+            random in random(),
+        ) {
+            let to_clip = projection.projection * projection.view;
+            let net = ClipNet::<5>::new(&points, &to_clip);
+            let [_, quarter] = net.halves_along_u()[1].halves_along_v();
+            for numbers in &random[..10] {
+                let [u, v] = [numbers[0], numbers[1]];
+                let expected = to_clip
+                    * homogeneous_at(Degree::Quartic, &points, 0.5 + 0.5 * u, 0.5 + 0.5 * v);
+                for (axis, expected) in quarter.axes.iter().zip(expected.to_array()) {
+                    let found: f64 = (0..25)
+                        .map(|i| bernstein(4, i % 5, u) * bernstein(4, i / 5, v) * axis[i / 5][i % 5])
+                        .sum();
+                    prop_assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn levels_of_simple_curvatures() {
+        let levels = |uu, uv, vv| Curvature { uu, uv, vv }.levels(0.5);
+        assert_eq!(levels(0.0, 0.0, 0.0), [1.0, 1.0]);
+        assert_eq!(levels(400.0, 0.0, 0.0), [10.0, 1.0]);
+        assert_eq!(levels(0.0, 0.0, 900.0), [1.0, 15.0]);
+        let [u, v] = levels(0.0, 200.0, 0.0);
+        assert!(u * v >= 100.0 && u * v <= 132.0, "{u} {v}");
+        assert_eq!(levels(f64::INFINITY, 1.0, 1.0), [f64::INFINITY; 2]);
+    }
+}
