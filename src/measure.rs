@@ -311,7 +311,7 @@ mod tests {
             assert_eq!((all.covered, all.expected), (399, 400));
         }
         let mut aovs = aovs_of_square();
-        aovs.uv[9 * SIDE + 20] = [0.5, 1.0, 0.0, 1.0];
+        aovs.uv[9 * SIDE + 20] = [0.525, 1.0, 0.0, 1.0];
         let all = measured(&aovs);
         assert_eq!((all.silhouette_pixels, all.crack_pixels), (1, 0));
         assert!((all.max_error_px - 0.5).abs() < 1e-5);

@@ -10,7 +10,6 @@
 
 mod coverage;
 mod raster;
-mod rows;
 mod sampler;
 mod shading;
 mod thesis;
