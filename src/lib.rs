@@ -62,12 +62,14 @@
 //! `cli` (default) builds the `freeform` program; `headless` the contexts without a display. With
 //! `default-features = false` the library brings neither clap nor glutin.
 
+mod aov;
 mod bezier;
 mod camera;
 mod error;
 pub mod gpu;
 #[cfg(feature = "headless")]
 mod headless;
+pub mod measure;
 pub mod reference;
 pub mod renderer;
 mod scene;
@@ -75,6 +77,7 @@ mod surface;
 mod tessellation;
 mod trim;
 
+pub use aov::{AovKind, Aovs};
 pub use bezier::{
     DeCasteljau, Degree, Patch, SurfacePoint, bernstein, check_control_point, de_casteljau,
     homogeneous,

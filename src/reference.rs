@@ -8,6 +8,7 @@
 //! one of Direct3D's reference tessellator, which Mesa's drivers carry inside. Lines are drawn by a
 //! plain walk along their longer axis; OpenGL leaves their pixels to the driver.
 
+mod coverage;
 mod raster;
 mod sampler;
 mod shading;
@@ -25,6 +26,7 @@ use crate::{
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
+pub use coverage::{Cover, Coverage, coverage};
 pub use thesis::thesis_normal;
 
 /// What a pixel shows.

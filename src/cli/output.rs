@@ -162,7 +162,7 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
 }
 
 /// Writes beside `path` and renames.
-fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+pub(super) fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // A link stays a link: its target is replaced.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let mut name = std::ffi::OsString::from(".");

@@ -238,7 +238,7 @@ impl Raster {
 
 /// Whether a pixel at barycentric `weight` from the edge `a`–`b` is inside, or on an edge that its
 /// triangle owns: one on the left or a level one on top (y points down, corners turn clockwise).
-fn owns(weight: f64, a: DVec2, b: DVec2) -> bool {
+pub(super) fn owns(weight: f64, a: DVec2, b: DVec2) -> bool {
     let edge = b - a;
     weight > 0.0 || (weight == 0.0 && (edge.y < 0.0 || (edge.y == 0.0 && edge.x > 0.0)))
 }

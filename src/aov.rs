@@ -1,0 +1,115 @@
+//! What the pixels of a picture show, as numbers instead of colours.
+
+use std::str::FromStr;
+
+use crate::{Error, Result};
+
+/// What every pixel of a picture shows, as numbers: one value at each pixel's centre, rows from the
+/// top. The fourth number of each is alpha: 1 where a surface is drawn, and 0 like the other three
+/// elsewhere.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Aovs {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// u, v and the patch's number; it counts through all surfaces of the scene, from 0.
+    pub uv: Vec<[f32; 4]>,
+    /// The place in world space.
+    pub position: Vec<[f32; 4]>,
+    /// The unit normal Su × Sv in world space.
+    pub normal: Vec<[f32; 4]>,
+    /// The distance from the eye along the view axis in world units, three times.
+    pub depth: Vec<[f32; 4]>,
+}
+
+impl Aovs {
+    /// A picture of so many pixels that shows nothing.
+    #[must_use]
+    pub fn empty(size: (u32, u32)) -> Self {
+        let nothing = vec![[0.0; 4]; size.0 as usize * size.1 as usize];
+        Self {
+            size,
+            uv: nothing.clone(),
+            position: nothing.clone(),
+            normal: nothing.clone(),
+            depth: nothing,
+        }
+    }
+
+    /// The numbers of one kind.
+    #[must_use]
+    pub fn channel(&self, kind: AovKind) -> &[[f32; 4]] {
+        match kind {
+            AovKind::Uv => &self.uv,
+            AovKind::Position => &self.position,
+            AovKind::Normal => &self.normal,
+            AovKind::Depth => &self.depth,
+        }
+    }
+}
+
+/// One of the [`Aovs`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum AovKind {
+    /// [`Aovs::uv`].
+    Uv,
+    /// [`Aovs::position`].
+    Position,
+    /// [`Aovs::normal`].
+    Normal,
+    /// [`Aovs::depth`].
+    Depth,
+}
+
+impl AovKind {
+    /// Every kind.
+    pub const ALL: [Self; 4] = [Self::Uv, Self::Position, Self::Normal, Self::Depth];
+
+    /// The name that [`AovKind::from_str`] reads: uv, position, normal or depth.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Uv => "uv",
+            Self::Position => "position",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+        }
+    }
+}
+
+impl FromStr for AovKind {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
+            Error::invalid("AOV", format!("\"{name}\""), "uv, position, normal or depth")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back_and_others_refused() {
+        for kind in AovKind::ALL {
+            assert_eq!(kind.name().parse::<AovKind>().unwrap(), kind);
+        }
+        for name in ["", "UV", "normals"] {
+            let text = name.parse::<AovKind>().unwrap_err().to_string();
+            assert!(text.contains(&format!("\"{name}\"")) && text.contains("depth"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_channel_is_the_one_of_its_kind() {
+        let mut aovs = Aovs::empty((3, 2));
+        aovs.uv[0][0] = 1.0;
+        aovs.position[0][0] = 2.0;
+        aovs.normal[0][0] = 3.0;
+        aovs.depth[0][0] = 4.0;
+        let firsts = AovKind::ALL.map(|kind| aovs.channel(kind)[0][0]);
+        assert_eq!(firsts, [1.0, 2.0, 3.0, 4.0]);
+        assert!(AovKind::ALL.iter().all(|kind| aovs.channel(*kind).len() == 6));
+    }
+}

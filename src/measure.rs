@@ -1,0 +1,386 @@
+//! How far a picture is from the surfaces that it shows, pixel by pixel in `f64`.
+//!
+//! A picture's [`Aovs`] claim which point of which patch each pixel shows. [`measure()`] evaluates
+//! that point and says how far from the pixel's centre it lies on the screen, how far the normal is
+//! off, and compares what is drawn at all with the scene's [`Coverage`]. [`random_view`] makes
+//! cameras to look from.
+
+mod views;
+
+use glam::{DMat3, DMat4, DVec2, DVec3};
+
+use crate::reference::{Cover, Coverage};
+use crate::{Aovs, Patch, Projection, Scene, Surface};
+
+pub use views::random_view;
+
+/// The angle between tangents whose sine is below this leaves the normal open.
+const PARALLEL: f64 = 1e-3;
+/// A tangent shorter than this, relative to the patch's longest control tangent, leaves it open too.
+const SHORT: f64 = 1e-4;
+
+/// How far one or more pictures are from their scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Measurement {
+    /// The largest distance on the screen between a pixel's centre and the point of the surface that
+    /// it claims to show, in pixels. Infinite if a point is behind the eye or its patch or place
+    /// makes no sense; 0 where nothing is drawn.
+    pub max_error_px: f64,
+    /// The mean of these distances over the covered pixels.
+    pub mean_error_px: f64,
+    /// The largest angle between a pixel's normal and the surface's, in degrees. Left out is where
+    /// the surface has none to speak of: where |Su × Sv| ≤ 10⁻³ |Su| |Sv|, or where Su or Sv is
+    /// shorter than 10⁻⁴ of the longest difference of neighbouring control points times the degree,
+    /// all in world space. A normal of length 0 or with a NaN is 180° off.
+    pub normal_error_deg: f64,
+    /// Pixels that are drawn and should not be, or the other way round.
+    pub silhouette_pixels: usize,
+    /// Pixels that are not drawn although they are [`Cover::Inside`]: some of
+    /// [`Measurement::silhouette_pixels`].
+    pub crack_pixels: usize,
+    /// NaN and infinite numbers in all AOVs, and patches that do not exist.
+    pub bad_values: usize,
+    /// Pixels that are drawn.
+    pub covered: usize,
+    /// Pixels that should be.
+    pub expected: usize,
+}
+
+impl Measurement {
+    /// What two sets of pictures give together: the larger of largest errors, the mean over all
+    /// covered pixels, sums of counts.
+    #[must_use]
+    pub fn merge(&self, other: &Self) -> Self {
+        let sum = |one: &Self| if one.covered == 0 { 0.0 } else { one.total_px() };
+        let covered = self.covered + other.covered;
+        Self {
+            max_error_px: self.max_error_px.max(other.max_error_px),
+            mean_error_px: (sum(self) + sum(other)) / covered.max(1) as f64,
+            normal_error_deg: self.normal_error_deg.max(other.normal_error_deg),
+            silhouette_pixels: self.silhouette_pixels + other.silhouette_pixels,
+            crack_pixels: self.crack_pixels + other.crack_pixels,
+            bad_values: self.bad_values + other.bad_values,
+            covered,
+            expected: self.expected + other.expected,
+        }
+    }
+
+    fn total_px(&self) -> f64 {
+        self.mean_error_px * self.covered as f64
+    }
+}
+
+/// Measures a picture of a scene, seen through `projection`. `reference` is the scene's
+/// [`crate::reference::coverage`] of the same size. What is drawn is where the alpha of
+/// [`Aovs::uv`] is not 0.
+///
+/// # Panics
+/// If the pictures have different sizes.
+#[must_use]
+pub fn measure(
+    scene: &Scene,
+    projection: &Projection,
+    aovs: &Aovs,
+    reference: &Coverage,
+) -> Measurement {
+    assert_eq!(aovs.size, reference.size, "sizes of the measured picture and the reference");
+    let patches: Vec<Seen<'_>> =
+        scene.surfaces.iter().flat_map(|surface| Seen::of(surface, projection)).collect();
+    let mut all = Measurement { bad_values: count_bad(aovs), ..Measurement::default() };
+    let size = DVec2::new(f64::from(aovs.size.0), f64::from(aovs.size.1));
+    let mut total_px = 0.0;
+    for (i, (cover, uv)) in reference.pixels.iter().zip(&aovs.uv).enumerate() {
+        let drawn = uv[3] != 0.0;
+        all.expected += usize::from(cover.covered());
+        all.silhouette_pixels += usize::from(drawn != cover.covered());
+        all.crack_pixels += usize::from(!drawn && *cover == Cover::Inside);
+        if !drawn {
+            continue;
+        }
+        all.covered += 1;
+        let [u, v, number, _] = uv.map(f64::from);
+        let patch = (number >= 0.0).then(|| patches.get(number.round() as usize)).flatten();
+        let (error_px, normal_error_deg) = if let Some(patch) = patch {
+            let width = aovs.size.0 as usize;
+            let center = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
+            let [x, y, z, _] = aovs.normal[i].map(f64::from);
+            patch.errors(u, v, (center, size), DVec3::new(x, y, z))
+        } else {
+            all.bad_values += usize::from(number.is_finite());
+            (f64::INFINITY, None)
+        };
+        total_px += error_px;
+        all.max_error_px = all.max_error_px.max(error_px);
+        all.normal_error_deg = all.normal_error_deg.max(normal_error_deg.unwrap_or(0.0));
+    }
+    all.mean_error_px = total_px / all.covered.max(1) as f64;
+    all
+}
+
+fn count_bad(aovs: &Aovs) -> usize {
+    crate::AovKind::ALL
+        .iter()
+        .flat_map(|kind| aovs.channel(*kind).as_flattened())
+        .filter(|value| !value.is_finite())
+        .count()
+}
+
+/// A patch as a picture sees it.
+struct Seen<'a> {
+    patch: Patch<'a>,
+    to_clip: DMat4,
+    /// Model space to world space, for tangents.
+    to_world: DMat3,
+    /// The longest tangent of the control net in world space.
+    tangent: f64,
+}
+
+impl<'a> Seen<'a> {
+    fn of(surface: &'a Surface, projection: &Projection) -> impl Iterator<Item = Self> {
+        let to_clip = projection.projection * projection.view * surface.transform;
+        let to_world = DMat3::from_mat4(surface.transform);
+        surface.patches().map(move |patch| {
+            let side = patch.degree().side();
+            let points = patch.points();
+            let step = |from: usize, to: usize| {
+                (to_world * (points[to] - points[from]).truncate()).length()
+            };
+            let longest = (0..points.len())
+                .flat_map(|i| {
+                    let along_u = (i % side + 1 < side).then(|| step(i, i + 1));
+                    let along_v = (i + side < points.len()).then(|| step(i, i + side));
+                    along_u.into_iter().chain(along_v)
+                })
+                .fold(0.0, f64::max);
+            Self { patch, to_clip, to_world, tangent: longest * (side - 1) as f64 }
+        })
+    }
+
+    /// How far the point is from a pixel's centre, in pixels, and the angle between its normal and
+    /// `normal` in degrees, if it has one.
+    fn errors(
+        &self,
+        u: f64,
+        v: f64,
+        (center, size): (DVec2, DVec2),
+        normal: DVec3,
+    ) -> (f64, Option<f64>) {
+        let point = self.patch.at(u, v);
+        let clip = self.to_clip * point.position.extend(1.0);
+        let ndc = clip.truncate().truncate() / clip.w;
+        let place = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
+        let distance = place.distance(center);
+        let error_px = if clip.w > 0.0 && distance.is_finite() { distance } else { f64::INFINITY };
+
+        let (du, dv) = (self.to_world * point.du, self.to_world * point.dv);
+        let cross = du.cross(dv);
+        let has_normal = cross.length() > PARALLEL * du.length() * dv.length()
+            && du.length().min(dv.length()) >= SHORT * self.tangent;
+        (error_px, has_normal.then(|| angle_deg(normal, cross)))
+    }
+}
+
+/// The angle between two vectors in degrees; 180 if there is none.
+fn angle_deg(a: DVec3, b: DVec3) -> f64 {
+    let (sine, cosine) = (a.cross(b).length(), a.dot(b));
+    // Also where one of them is NaN.
+    if sine > 0.0 || cosine > 0.0 { sine.atan2(cosine).to_degrees() } else { 180.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::coverage;
+    use crate::{Camera, Degree, Lens, Method};
+    use glam::{DVec4, UVec2, dvec2, dvec3};
+
+    const SIDE: usize = 40;
+
+    /// A unit square in z = 0 with x = u and y = v, seen from above: 20 pixels a unit, the square
+    /// in pixels 10 … 30.
+    fn square() -> (Scene, Projection) {
+        let points = (0..16)
+            .map(|i| DVec4::new(f64::from(i % 4) / 3.0, f64::from(i / 4) / 3.0, 0.0, 1.0))
+            .collect();
+        let middle = dvec3(0.5, 0.5, 0.0);
+        let lens = Lens::Orthographic { height: 2.0 };
+        let camera = Camera::new(middle + DVec3::Z, middle, DVec3::Y, lens).unwrap();
+        let scene = Scene {
+            surfaces: vec![Surface::new(Degree::Cubic, points).unwrap()],
+            camera: Some(camera),
+            ..Scene::listing16()
+        };
+        let projection = scene.projection(SIDE as u32, SIDE as u32);
+        (scene, projection)
+    }
+
+    fn aovs_of_square() -> Aovs {
+        let mut aovs = Aovs::empty((SIDE as u32, SIDE as u32));
+        for i in 0..SIDE * SIDE {
+            let place = |pixel: usize| (pixel as f32 + 0.5 - 10.0) / 20.0;
+            let (u, v) = (place(i % SIDE), 1.0 - place(i / SIDE));
+            if (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v) {
+                aovs.uv[i] = [u, v, 0.0, 1.0];
+                aovs.position[i] = [u, v, 0.0, 1.0];
+                aovs.normal[i] = [0.0, 0.0, 1.0, 1.0];
+                aovs.depth[i] = [1.0; 4];
+            }
+        }
+        aovs
+    }
+
+    fn measured(aovs: &Aovs) -> Measurement {
+        let (scene, projection) = square();
+        let reference =
+            coverage(&scene, &projection, UVec2::splat(SIDE as u32), Method::Exact).unwrap();
+        measure(&scene, &projection, aovs, &reference)
+    }
+
+    #[test]
+    fn a_perfect_picture_has_no_errors() {
+        let all = measured(&aovs_of_square());
+        assert!(all.max_error_px < 1e-5 && all.normal_error_deg < 1e-5, "{all:?}");
+        let none = Measurement { covered: 400, expected: 400, ..Measurement::default() };
+        let counts =
+            Measurement { max_error_px: 0.0, mean_error_px: 0.0, normal_error_deg: 0.0, ..all };
+        assert_eq!(counts, none);
+    }
+
+    #[test]
+    fn a_shifted_place_is_so_many_pixels_off() {
+        let mut aovs = aovs_of_square();
+        for (i, uv) in aovs.uv.iter_mut().enumerate().filter(|(_, uv)| uv[3] != 0.0) {
+            // 3 pixels to the right, and 4 up in the left half.
+            uv[0] += 0.15;
+            uv[1] += if i % SIDE < 20 { 0.2 } else { 0.0 };
+        }
+        let all = measured(&aovs);
+        assert!((all.max_error_px - 5.0).abs() < 1e-5, "{all:?}");
+        assert!((all.mean_error_px - 4.0).abs() < 1e-5, "{all:?}");
+    }
+
+    #[test]
+    fn the_normal_that_is_turned_most_is_found() {
+        let mut aovs = aovs_of_square();
+        let degrees = |angle: f32| {
+            let (sine, cosine) = angle.to_radians().sin_cos();
+            [0.0, sine, cosine, 1.0]
+        };
+        aovs.normal[15 * SIDE + 15] = degrees(7.0);
+        aovs.normal[15 * SIDE + 16] = degrees(-20.0);
+        assert!((measured(&aovs).normal_error_deg - 20.0).abs() < 1e-4);
+        aovs.normal[15 * SIDE + 17] = [0.0, 0.0, -1.0, 1.0];
+        assert!((measured(&aovs).normal_error_deg - 180.0).abs() < 1e-4);
+        aovs.normal[15 * SIDE + 17] = [0.0, 0.0, 0.0, 1.0];
+        assert_eq!(measured(&aovs).normal_error_deg, 180.0);
+    }
+
+    #[test]
+    fn normals_follow_transforms_and_are_left_out_at_poles() {
+        let (mut scene, _) = square();
+        // Mirrored and sheared: Su = (−2, 0, 0), Sv = (0, 1, 1).
+        scene.surfaces[0].transform = DMat4::from_cols(
+            DVec4::new(-2.0, 0.0, 0.0, 0.0),
+            DVec4::new(0.0, 1.0, 1.0, 0.0),
+            DVec4::new(0.0, 0.0, 1.0, 0.0),
+            DVec4::W,
+        );
+        let projection = scene.projection(8, 8);
+        let place = (DVec2::ZERO, DVec2::ONE);
+        let expected = dvec3(-2.0, 0.0, 0.0).cross(dvec3(0.0, 1.0, 1.0)).normalize();
+        let error = |scene: &Scene, v: f64| {
+            let seen = Seen::of(&scene.surfaces[0], &projection).next().unwrap();
+            seen.errors(0.5, v, place, expected).1
+        };
+        assert!(error(&scene, 0.5).unwrap() < 1e-6);
+        for i in 0..4 {
+            scene.surfaces[0].set_control_point(DVec4::W, i).unwrap();
+        }
+        assert!(error(&scene, 0.0).is_none() && error(&scene, 0.5).is_some());
+        // Just off the pole Su is too short, and farther off no more.
+        assert!(error(&scene, 1e-5).is_none() && error(&scene, 1e-3).is_some());
+    }
+
+    #[test]
+    fn a_hole_inside_is_a_crack_and_one_at_the_border_is_not() {
+        for (x, y, cracks) in [(20, 20, 1), (11, 28, 1), (10, 20, 0), (29, 29, 0)] {
+            let mut aovs = aovs_of_square();
+            aovs.uv[y * SIDE + x] = [0.0; 4];
+            let all = measured(&aovs);
+            assert_eq!((all.silhouette_pixels, all.crack_pixels), (1, cracks), "({x}, {y})");
+            assert_eq!((all.covered, all.expected), (399, 400));
+        }
+        let mut aovs = aovs_of_square();
+        aovs.uv[9 * SIDE + 20] = [0.525, 1.0, 0.0, 1.0];
+        let all = measured(&aovs);
+        assert_eq!((all.silhouette_pixels, all.crack_pixels), (1, 0));
+        assert!((all.max_error_px - 0.5).abs() < 1e-5);
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_counted() {
+        let mut aovs = aovs_of_square();
+        aovs.depth[0][1] = f32::NAN;
+        aovs.position[20 * SIDE + 20] = [f32::INFINITY; 4];
+        aovs.normal[20 * SIDE + 20][0] = f32::NAN;
+        let all = measured(&aovs);
+        assert_eq!((all.bad_values, all.normal_error_deg), (6, 180.0));
+        assert!(all.max_error_px < 1e-5);
+        for number in [-1.0, 1.0, f32::NAN] {
+            aovs.uv[20 * SIDE + 20][2] = number;
+            let all = measured(&aovs);
+            assert_eq!((all.bad_values, all.max_error_px), (7, f64::INFINITY), "{number}");
+        }
+    }
+
+    #[test]
+    fn points_behind_the_eye_are_infinitely_far_off() {
+        let (scene, _) = square();
+        let lens = Lens::Perspective { fov_y_radians: 1.0 };
+        let eye = dvec3(0.5, 0.5, 1.0);
+        for (target, behind) in [(dvec3(0.5, 0.5, 0.0), false), (dvec3(0.5, 0.5, 2.0), true)] {
+            let projection = Camera::new(eye, target, DVec3::Y, lens)
+                .unwrap()
+                .projection([DVec3::ZERO, DVec3::Z * 5.0].into_iter(), 1.0);
+            let seen = Seen::of(&scene.surfaces[0], &projection).next().unwrap();
+            let (error_px, _) =
+                seen.errors(0.5, 0.5, (dvec2(5.0, 5.0), dvec2(10.0, 10.0)), DVec3::Z);
+            assert_eq!(error_px.is_infinite(), behind);
+            assert!(behind || error_px < 1e-12);
+        }
+    }
+
+    #[test]
+    fn pictures_merge_by_their_pixels() {
+        let one = Measurement {
+            max_error_px: 2.0,
+            mean_error_px: 1.0,
+            normal_error_deg: 3.0,
+            silhouette_pixels: 4,
+            crack_pixels: 1,
+            bad_values: 2,
+            covered: 100,
+            expected: 101,
+        };
+        let other = Measurement {
+            max_error_px: 1.0,
+            mean_error_px: 0.5,
+            normal_error_deg: 9.0,
+            covered: 300,
+            ..one
+        };
+        let expected = Measurement {
+            max_error_px: 2.0,
+            mean_error_px: 0.625,
+            normal_error_deg: 9.0,
+            silhouette_pixels: 8,
+            crack_pixels: 2,
+            bad_values: 4,
+            covered: 400,
+            expected: 202,
+        };
+        assert_eq!(one.merge(&other), expected);
+        assert_eq!(one.merge(&Measurement::default()), one);
+        assert_eq!(Measurement::default().merge(&Measurement::default()), Measurement::default());
+    }
+}

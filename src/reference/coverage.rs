@@ -1,0 +1,465 @@
+//! Which pixels a scene covers, in `f64` and without a level: patches are cut as finely as the
+//! picture needs.
+//!
+//! A patch in clip space is a patch of four coordinates, also a rational one. Second differences of
+//! its control points bound how far triangles between its points lie off it, so that each part of
+//! it gets as many triangles as keep that below [`TOLERANCE_PX`].
+
+mod part;
+mod rows;
+
+use glam::{DVec2, DVec4, UVec2};
+
+use super::TrimDecision;
+use super::raster::owns;
+use crate::camera::Projection;
+use crate::{Method, Newton, Result, Scene, Trims};
+use part::Part;
+use rows::TrimRows;
+
+/// How far triangles may lie off the surface, in pixels.
+const TOLERANCE_PX: f64 = 0.03;
+
+/// How a scene covers a pixel. Pixels off the picture do not count as neighbours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Cover {
+    /// No surface at any pixel's centre within 1.5 pixels.
+    #[default]
+    Background,
+    /// No surface at the centre, but at another within 1.5 pixels.
+    Beside,
+    /// A surface at the centre; at another centre within 1.5 pixels there is none, or trims cut the
+    /// surface within this pixel, as tested at its corners and the middles of its edges.
+    Border,
+    /// A surface at every pixel's centre within 1.5 pixels, and trims do not cut it within this one.
+    Inside,
+}
+
+impl Cover {
+    /// Whether a surface is at the pixel's centre.
+    #[must_use]
+    pub const fn covered(self) -> bool {
+        matches!(self, Self::Border | Self::Inside)
+    }
+}
+
+/// Which pixels of a picture a scene covers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Coverage {
+    /// Width and height in pixels.
+    pub size: (u32, u32),
+    /// The pixels row by row from the top.
+    pub pixels: Vec<Cover>,
+}
+
+/// Finds which pixels of a picture of `size` pixels a scene covers, right to 0.03 pixels: trims are
+/// decided by the oracle of the method at every centre, settings of the scene other than Newton's
+/// do not matter.
+///
+/// # Errors
+/// Loops that the thesis' method cannot cut, if that is asked for.
+pub fn coverage(
+    scene: &Scene,
+    projection: &Projection,
+    size: UVec2,
+    method: Method,
+) -> Result<Coverage> {
+    let mut canvas = Canvas::new(size);
+    let near_w = 1.0 / (projection.projection.inverse() * DVec4::new(0.0, 0.0, -1.0, 1.0)).w;
+    for surface in &scene.surfaces {
+        let cut = Cut::new(&surface.trims, scene.settings.newton, method)?;
+        let to_clip = projection.projection * projection.view * surface.transform;
+        for patch in surface.patches() {
+            let whole = Part::whole(&patch, &to_clip, near_w);
+            whole.cut_up(size, &mut |part, cells| canvas.part(part, cells, &cut));
+        }
+    }
+    Ok(canvas.into_coverage())
+}
+
+/// Trims, fast enough to be asked at every pixel.
+enum Cut<'a> {
+    Nothing,
+    Thesis(TrimDecision<'a>),
+    Exact(&'a Trims, TrimRows<'a>),
+}
+
+impl<'a> Cut<'a> {
+    fn new(trims: &'a Trims, newton: Newton, method: Method) -> Result<Self> {
+        let shapes = trims.circles.len() + trims.intervals.len() + trims.ellipses.len();
+        Ok(if shapes + trims.loops.len() == 0 {
+            Self::Nothing
+        } else if method == Method::Thesis {
+            Self::Thesis(TrimDecision::new(trims, newton, method)?)
+        } else {
+            Self::Exact(trims, TrimRows::new(trims))
+        })
+    }
+
+    fn cuts(&self, uv: DVec2) -> bool {
+        match self {
+            Self::Nothing => false,
+            Self::Thesis(decision) => decision.cut(uv),
+            Self::Exact(trims, rows) => trims.shapes_cut(uv) || rows.cut(uv),
+        }
+    }
+}
+
+/// A corner of a triangle.
+#[derive(Clone, Copy)]
+struct Corner {
+    clip: DVec4,
+    uv: DVec2,
+}
+
+impl Corner {
+    /// How far it is in front of the near plane, z ≥ −w.
+    fn in_front(&self) -> f64 {
+        self.clip.z + self.clip.w
+    }
+}
+
+/// A pixel in the making.
+#[derive(Clone, Copy, Default)]
+struct Spot {
+    covered: bool,
+    /// Whether trims do not cut the surface within the pixel.
+    whole: bool,
+    /// A part that comes closer to the centre than the tolerance and does not cover it; parts count
+    /// from 1.
+    beside: u32,
+}
+
+/// The picture in the making.
+///
+/// Where parts with different numbers of cells meet, gaps open that the surface does not have, at
+/// most as wide as the tolerance. So a centre that is this close to two parts is covered.
+struct Canvas {
+    size: UVec2,
+    spots: Vec<Spot>,
+    parts: u32,
+    /// The corners of the part that is drawn, kept for their memory.
+    corners: Vec<Corner>,
+}
+
+impl Canvas {
+    fn new(size: UVec2) -> Self {
+        let spots = vec![Spot::default(); size.x as usize * size.y as usize];
+        Self { size, spots, parts: 0, corners: Vec::new() }
+    }
+
+    fn part(&mut self, part: &Part, cells: usize, cut: &Cut<'_>) {
+        self.parts += 1;
+        let mut corners = std::mem::take(&mut self.corners);
+        corners.clear();
+        corners.extend(part.corners(cells));
+        for j in 0..cells {
+            for i in 0..cells {
+                let a = j * (cells + 1) + i;
+                let c = a + cells + 1;
+                self.triangle([corners[a], corners[a + 1], corners[c + 1]], cut);
+                self.triangle([corners[a], corners[c + 1], corners[c]], cut);
+            }
+        }
+        self.corners = corners;
+    }
+
+    fn triangle(&mut self, corners: [Corner; 3], cut: &Cut<'_>) {
+        let in_front = corners.map(|corner| corner.in_front() > 0.0);
+        if in_front == [true; 3] {
+            self.clipped_triangle(corners, cut);
+            return;
+        }
+        // In front of the near plane are three or four corners, or none.
+        let mut polygon = [corners[0]; 4];
+        let mut count = 0;
+        for i in 0..3 {
+            let (from, to) = (corners[i], corners[(i + 1) % 3]);
+            if in_front[i] {
+                polygon[count] = from;
+                count += 1;
+            }
+            if in_front[i] != in_front[(i + 1) % 3] {
+                let t = from.in_front() / (from.in_front() - to.in_front());
+                polygon[count] =
+                    Corner { clip: from.clip.lerp(to.clip, t), uv: from.uv.lerp(to.uv, t) };
+                count += 1;
+            }
+        }
+        for i in 2..count {
+            self.clipped_triangle([polygon[0], polygon[i - 1], polygon[i]], cut);
+        }
+    }
+
+    fn clipped_triangle(&mut self, mut corners: [Corner; 3], cut: &Cut<'_>) {
+        let size = self.size.as_dvec2();
+        let mut places = corners.map(|corner| {
+            let ndc = corner.clip.truncate().truncate() / corner.clip.w;
+            DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size
+        });
+        // The first and the last column and row whose centres it may reach.
+        let low = places[0].min(places[1]).min(places[2]) - 0.5 - TOLERANCE_PX;
+        let high = places[0].max(places[1]).max(places[2]) - 0.5 + TOLERANCE_PX;
+        let low = low.ceil().max(DVec2::ZERO);
+        let high = (high.floor() + 1.0).min(size);
+        if !low.cmplt(high).all() {
+            return;
+        }
+        if (places[1] - places[0]).perp_dot(places[2] - places[0]) >= 0.0 {
+            corners.swap(1, 2);
+            places.swap(1, 2);
+        }
+        let triangle = Triangle::new(corners, places);
+        if triangle.area == 0.0 || !triangle.area.is_finite() {
+            return;
+        }
+        for y in low.y as usize..high.y as usize {
+            for x in low.x as usize..high.x as usize {
+                let spot = &mut self.spots[y * self.size.x as usize + x];
+                if !spot.covered {
+                    triangle.meet(
+                        spot,
+                        DVec2::new(x as f64 + 0.5, y as f64 + 0.5),
+                        self.parts,
+                        cut,
+                    );
+                }
+            }
+        }
+    }
+
+    fn into_coverage(self) -> Coverage {
+        let (width, height) = (self.size.x as usize, self.size.y as usize);
+        let pixels = (0..width * height)
+            .map(|i| {
+                let (x, y) = (i % width, i / width);
+                let mut around = (y.saturating_sub(1)..(y + 2).min(height))
+                    .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| (x, y)))
+                    .map(|(x, y)| self.spots[y * width + x].covered);
+                let spot = &self.spots[i];
+                if !spot.covered {
+                    if around.any(|covered| covered) { Cover::Beside } else { Cover::Background }
+                } else if spot.whole && around.all(|covered| covered) {
+                    Cover::Inside
+                } else {
+                    Cover::Border
+                }
+            })
+            .collect();
+        Coverage { size: self.size.into(), pixels }
+    }
+}
+
+/// A triangle in the picture whose corners turn counter-clockwise on the screen.
+struct Triangle {
+    corners: [Corner; 3],
+    places: [DVec2; 3],
+    /// Twice the area, below 0.
+    area: f64,
+}
+
+impl Triangle {
+    fn new(corners: [Corner; 3], places: [DVec2; 3]) -> Self {
+        let area = (places[1] - places[0]).perp_dot(places[2] - places[0]);
+        Self { corners, places, area }
+    }
+
+    /// The edge that faces a corner.
+    const fn edge(&self, corner: usize) -> [DVec2; 2] {
+        [self.places[(corner + 1) % 3], self.places[(corner + 2) % 3]]
+    }
+
+    /// The weights of the corners at a place of the picture.
+    fn weights(&self, place: DVec2) -> [f64; 3] {
+        [0, 1, 2].map(|i| {
+            let [from, to] = self.edge(i);
+            (from - place).perp_dot(to - place) / self.area
+        })
+    }
+
+    /// Perspective-correct (u, v).
+    fn uv(&self, weights: [f64; 3]) -> DVec2 {
+        let over_w = [0, 1, 2].map(|i| weights[i] / self.corners[i].clip.w);
+        let sum: DVec2 = (0..3).map(|i| self.corners[i].uv * over_w[i]).sum();
+        sum / over_w.iter().sum::<f64>()
+    }
+
+    /// Puts what it shows at a pixel's centre into `spot`, which is not covered yet.
+    fn meet(&self, spot: &mut Spot, center: DVec2, part: u32, cut: &Cut<'_>) {
+        let mut weights = self.weights(center);
+        let covers = (0..3).all(|i| {
+            let [from, to] = self.edge(i);
+            owns(weights[i], from, to)
+        });
+        if !covers {
+            let is_close = |i: usize| {
+                let [from, to] = self.edge(i);
+                weights[i] * self.area.abs() >= -TOLERANCE_PX * from.distance(to)
+            };
+            if spot.beside == part || !(0..3).all(is_close) {
+                return;
+            }
+            weights = weights.map(|weight| weight.max(0.0));
+            let sum: f64 = weights.iter().sum();
+            weights = weights.map(|weight| weight / sum);
+        }
+        let depth: f64 =
+            (0..3).map(|i| weights[i] * self.corners[i].clip.z / self.corners[i].clip.w).sum();
+        if !(-1.0..1.0).contains(&depth) || cut.cuts(self.uv(weights)) {
+            return;
+        }
+        if covers || spot.beside != 0 {
+            spot.covered = true;
+            spot.whole = matches!(cut, Cut::Nothing) || !self.is_cut_around(center, cut);
+        } else {
+            spot.beside = part;
+        }
+    }
+
+    /// Whether trims cut the surface at a corner of a pixel or in the middle of one of its edges.
+    fn is_cut_around(&self, center: DVec2, cut: &Cut<'_>) -> bool {
+        const AROUND: [f64; 3] = [-0.5, 0.0, 0.5];
+        AROUND
+            .iter()
+            .flat_map(|y| AROUND.iter().map(|x| DVec2::new(*x, *y)))
+            .filter(|offset| *offset != DVec2::ZERO)
+            .any(|offset| cut.cuts(self.uv(self.weights(center + offset))))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::{Pixel, render};
+    use crate::{Camera, Degree, Lens, Surface, TessLevel};
+    use glam::{DVec3, dvec2, dvec3};
+
+    /// A flat patch over x and y from `low` to `high`, with z = 0.
+    fn plane(low: DVec2, high: DVec2) -> Surface {
+        let points = (0..16).map(|i| dvec2(f64::from(i % 4), f64::from(i / 4)) / 3.0);
+        let points = points.map(|uv| (low + (high - low) * uv).extend(0.0).extend(1.0)).collect();
+        Surface::new(Degree::Cubic, points).unwrap()
+    }
+
+    fn scene(surface: Surface, eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Scene {
+        let camera = Camera::new(eye, target, up, lens).unwrap();
+        Scene { surfaces: vec![surface], camera: Some(camera), ..Scene::listing16() }
+    }
+
+    fn seen(scene: &Scene, size: UVec2) -> Coverage {
+        coverage(scene, &scene.projection(size.x, size.y), size, Method::Exact).unwrap()
+    }
+
+    #[test]
+    fn a_square_and_what_is_near_its_border() {
+        let mut surface = plane(DVec2::ZERO, DVec2::ONE);
+        // A slot between two columns of centres: only the pixels beside it know.
+        let slot = crate::Interval::new(dvec2(0.499, 0.501), dvec2(0.0, 1.0)).unwrap();
+        surface.trims.intervals.push(slot);
+        let middle = dvec3(0.5, 0.5, 0.0);
+        let lens = Lens::Orthographic { height: 2.0 };
+        let scene = scene(surface, middle + DVec3::Z, middle, DVec3::Y, lens);
+        let coverage = seen(&scene, UVec2::splat(40));
+        // One unit is 20 pixels: the square covers 10 … 30, the slot lies between 19 and 20.
+        for (i, pixel) in coverage.pixels.iter().enumerate() {
+            let (x, y) = (i % 40, i / 40);
+            let within = |low, high| (low..high).contains(&x) && (low..high).contains(&y);
+            let expected = if within(11, 29) && x != 19 && x != 20 {
+                Cover::Inside
+            } else if within(10, 30) {
+                Cover::Border
+            } else if within(9, 31) {
+                Cover::Beside
+            } else {
+                Cover::Background
+            };
+            assert_eq!(*pixel, expected, "({x}, {y})");
+        }
+    }
+
+    #[test]
+    fn a_plain_that_passes_under_the_eye_ends_at_its_far_border() {
+        let surface = plane(DVec2::splat(-100.0), DVec2::splat(100.0));
+        let lens = Lens::Perspective { fov_y_radians: 1.0 };
+        let eye = DVec3::Z;
+        let scene = scene(surface, eye, dvec3(1.0, 0.2, 0.98), DVec3::Z, lens);
+        let size = UVec2::new(120, 90);
+        let projection = scene.projection(size.x, size.y);
+        let to_world = (projection.projection * projection.view).inverse();
+        let hits = |x: f64, y: f64| {
+            let ndc = dvec2(x, y) / size.as_dvec2() * dvec2(2.0, -2.0) + dvec2(-1.0, 1.0);
+            let near = to_world.project_point3(ndc.extend(-1.0));
+            let far = to_world.project_point3(ndc.extend(1.0));
+            let t = near.z / (near.z - far.z);
+            let place = near.lerp(far, t);
+            (0.0..1.0).contains(&t) && place.abs().max_element() <= 100.0
+        };
+        let coverage = seen(&scene, size);
+        let mut counts = [0; 2];
+        for (i, pixel) in coverage.pixels.iter().enumerate() {
+            let (x, y) = ((i % 120) as f64 + 0.5, (i / 120) as f64 + 0.5);
+            let expected = hits(x, y);
+            let sure = [-0.05, 0.05].iter().all(|d| hits(x + d, y + d) == expected);
+            assert!(!sure || pixel.covered() == expected, "({x}, {y})");
+            counts[usize::from(pixel.covered())] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 3_000), "{counts:?}");
+    }
+
+    #[test]
+    fn shapes_and_holes_are_where_the_renderer_has_them() {
+        for (file, method) in [
+            ("surfaces/teapot.bpt", Method::Exact),
+            ("scenes/thesis/fig29.toml", Method::Thesis),
+            ("scenes/gallery/lettering.toml", Method::Exact),
+        ] {
+            let mut scene = Scene::load(format!("resources/{file}").as_ref()).unwrap();
+            scene.settings.level = TessLevel::MAX;
+            let size = UVec2::new(160, 100);
+            let picture = render(&scene, size, method).unwrap();
+            let projection = scene.projection(size.x, size.y);
+            let coverage = coverage(&scene, &projection, size, method).unwrap();
+            let mut wrong = 0;
+            for (cover, pixel) in coverage.pixels.iter().zip(&picture.pixels) {
+                let drawn = matches!(pixel, Pixel::Surface(_));
+                wrong += usize::from(drawn != cover.covered());
+                assert!(drawn || *cover != Cover::Inside);
+                assert!(!drawn || *cover != Cover::Background);
+            }
+            let inside = coverage.pixels.iter().filter(|cover| **cover == Cover::Inside).count();
+            assert!(wrong <= 8 && inside > 1_000, "{file}: {wrong} {inside}");
+        }
+    }
+
+    #[test]
+    fn parts_of_different_fineness_leave_no_holes() {
+        // A hill that hides nothing of itself, from close above: only its border has a background.
+        let mut surface = plane(DVec2::ZERO, DVec2::ONE);
+        surface.set_control_point(DVec4::new(0.35, 0.3, 0.6, 1.0), 5).unwrap();
+        let lens = Lens::Perspective { fov_y_radians: 1.2 };
+        let size = UVec2::new(240, 160);
+        let mut covered = 0;
+        for i in 0..36 {
+            let eye = dvec3(f64::from(i % 6) * 0.13 + 0.2, f64::from(i / 6) * 0.13 + 0.2, 0.35);
+            let target = dvec3(0.5, 0.45, 0.0);
+            let scene = scene(surface.clone(), eye, target, dvec3(1.0, 0.3, 0.0), lens);
+            let coverage = seen(&scene, size);
+            let at = |x: usize, y: usize| coverage.pixels[y * 240 + x].covered();
+            for (x, y) in (1..159).flat_map(|y| (1..239).map(move |x| (x, y))) {
+                let around = [at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)];
+                assert!(at(x, y) || around != [true; 4], "view {i}, ({x}, {y})");
+                covered += usize::from(at(x, y));
+            }
+        }
+        assert!(covered > 500_000, "{covered}");
+    }
+
+    #[test]
+    fn loops_that_the_thesis_cannot_cut_are_refused() {
+        let path = "resources/scenes/stability/trim-keep-inside.toml";
+        let scene = Scene::load(path.as_ref()).unwrap();
+        let projection = scene.projection(8, 8);
+        let refused = |method| coverage(&scene, &projection, UVec2::splat(8), method).is_err();
+        assert!(refused(Method::Thesis) && !refused(Method::Exact));
+    }
+}

@@ -1,0 +1,205 @@
+//! Parts of patches in clip space, and how many triangles each needs.
+
+use glam::{DMat4, DVec2, DVec4, UVec2};
+
+use super::{Corner, TOLERANCE_PX};
+use crate::bezier::{Patch, homogeneous};
+
+/// The most cells along a side of a part; a part that needs more is cut into four.
+const MOST_CELLS: usize = 16;
+/// How often a part is cut into four.
+const MOST_CUTS: u32 = 9;
+/// The most control points along a side of a patch.
+const MOST_SIDE: usize = 5;
+
+/// A square part of a patch, in clip space.
+#[derive(Clone, Copy)]
+pub(super) struct Part {
+    /// Homogeneous control points, row by row.
+    points: [DVec4; MOST_SIDE * MOST_SIDE],
+    side: usize,
+    /// The least w of what is in front of the near plane.
+    near_w: f64,
+    /// The corner of least (u, v), and the length of the sides.
+    corner: DVec2,
+    length: f64,
+    cuts: u32,
+}
+
+impl Part {
+    /// `near_w` is that of points whose weight is 1.
+    pub(super) fn whole(patch: &Patch<'_>, to_clip: &DMat4, near_w: f64) -> Self {
+        let mut points = [DVec4::ZERO; MOST_SIDE * MOST_SIDE];
+        for (to, from) in points.iter_mut().zip(patch.points()) {
+            *to = *to_clip * homogeneous(*from);
+        }
+        let least_weight = patch.points().iter().map(|point| point.w).fold(f64::INFINITY, f64::min);
+        Self {
+            points,
+            side: patch.degree().side(),
+            near_w: near_w * least_weight,
+            corner: DVec2::ZERO,
+            length: 1.0,
+            cuts: 0,
+        }
+    }
+
+    fn points(&self) -> &[DVec4] {
+        &self.points[..self.side * self.side]
+    }
+
+    /// Cuts it into parts that need few enough cells in a picture of `size` pixels, and gives those
+    /// that may be seen to `draw`, with their number of cells along a side.
+    pub(super) fn cut_up(&self, size: UVec2, draw: &mut dyn FnMut(&Self, usize)) {
+        if self.is_out_of_sight() {
+            return;
+        }
+        let cells = self.cells(size);
+        if cells > MOST_CELLS as f64 && self.cuts < MOST_CUTS {
+            for quarter in 0..4 {
+                self.quarter(quarter & 1, quarter >> 1).cut_up(size, draw);
+            }
+        } else {
+            draw(self, cells.min(MOST_CELLS as f64) as usize);
+        }
+    }
+
+    /// The corners of so many cells along a side, row by row.
+    pub(super) fn corners(&self, cells: usize) -> impl Iterator<Item = Corner> {
+        let at = move |i: usize| i as f64 / cells as f64;
+        (0..=cells).flat_map(move |j| {
+            let mut row = [DVec4::ZERO; MOST_SIDE];
+            for (column, point) in row[..self.side].iter_mut().enumerate() {
+                *point = curve(&self.points[column..], self.side, self.side, at(j));
+            }
+            (0..=cells).map(move |i| Corner {
+                clip: curve(&row, self.side, 1, at(i)),
+                uv: self.corner + DVec2::new(at(i), at(j)) * self.length,
+            })
+        })
+    }
+
+    /// Whether all control points, and so the part, lie beyond one side of the view's frustum.
+    fn is_out_of_sight(&self) -> bool {
+        let all = |beyond: fn(&DVec4) -> bool| self.points().iter().all(beyond);
+        all(|p| p.x > p.w)
+            || all(|p| p.x < -p.w)
+            || all(|p| p.y > p.w)
+            || all(|p| p.y < -p.w)
+            || all(|p| p.z > p.w)
+            || all(|p| p.z < -p.w)
+    }
+
+    /// Cells along a side, at least 1, that keep triangles within the tolerance where the picture shows them.
+    ///
+    /// With H the part, L the triangles and e = H − L, both at the same (u, v), the distance on the
+    /// screen is that of (e.xy − L.xy / L.w · e.w) / H.w; L.xy / L.w lies in the picture. With n
+    /// cells |e| ≤ (|Huu| + 2|Huv| + |Hvv|) / 8n², and control points bound the derivatives.
+    fn cells(&self, size: UVec2) -> f64 {
+        let (side, points) = (self.side, self.points());
+        let mut low = DVec2::INFINITY;
+        let mut high = DVec2::NEG_INFINITY;
+        let mut least_w = f64::INFINITY;
+        for point in points {
+            let place = point.truncate().truncate() / point.w;
+            (low, high) = (low.min(place), high.max(place));
+            least_w = least_w.min(point.w);
+        }
+        let [low, high] = if least_w > 0.0 {
+            [low, high].map(|place| place.clamp(DVec2::NEG_ONE, DVec2::ONE))
+        } else {
+            [DVec2::NEG_ONE, DVec2::ONE]
+        };
+        let half_size = size.as_dvec2() * 0.5;
+        let on_screen = |e: DVec4| {
+            let xy = e.truncate().truncate();
+            ((xy - low * e.w).abs().max((xy - high * e.w).abs()) * half_size).length_squared()
+        };
+        let at = |column: usize, row: usize| points[row * side + column];
+        let (mut uu, mut uv, mut vv) = (0_f64, 0_f64, 0_f64);
+        for i in 0..side {
+            for j in 2..side {
+                uu = uu.max(on_screen(at(j, i) - 2.0 * at(j - 1, i) + at(j - 2, i)));
+                vv = vv.max(on_screen(at(i, j) - 2.0 * at(i, j - 1) + at(i, j - 2)));
+            }
+        }
+        for row in 1..side {
+            for column in 1..side {
+                let twist = at(column, row) - at(column - 1, row) - at(column, row - 1)
+                    + at(column - 1, row - 1);
+                uv = uv.max(on_screen(twist));
+            }
+        }
+        let degree = (side - 1) as f64;
+        let second = degree * ((degree - 1.0) * (uu.sqrt() + vv.sqrt()) + 2.0 * degree * uv.sqrt());
+        (second / (8.0 * TOLERANCE_PX * least_w.max(self.near_w))).sqrt().ceil().max(1.0)
+    }
+
+    /// The lower (0) or upper (1) half in u and v, by de Casteljau's algorithm.
+    fn quarter(&self, u: usize, v: usize) -> Self {
+        let mut quarter = *self;
+        let side = self.side;
+        for line in 0..side {
+            halve(&mut quarter.points[line * side..], side, 1, u);
+        }
+        for line in 0..side {
+            halve(&mut quarter.points[line..], side, side, v);
+        }
+        quarter.length *= 0.5;
+        quarter.corner += DVec2::new(u as f64, v as f64) * quarter.length;
+        quarter.cuts += 1;
+        quarter
+    }
+}
+
+/// Puts the first (0) or second (1) half of a curve in its place; its points are `step` apart.
+fn halve(points: &mut [DVec4], count: usize, step: usize, half: usize) {
+    for round in 1..count {
+        if half == 0 {
+            for i in (round..count).rev() {
+                points[i * step] = (points[i * step] + points[(i - 1) * step]) * 0.5;
+            }
+        } else {
+            for i in 0..count - round {
+                points[i * step] = (points[i * step] + points[(i + 1) * step]) * 0.5;
+            }
+        }
+    }
+}
+
+/// The point at `t` of a Bézier curve whose points are `step` apart.
+fn curve(points: &[DVec4], count: usize, step: usize, t: f64) -> DVec4 {
+    // Horner's scheme in t / s, times the powers of s.
+    let s = 1.0 - t;
+    let mut sum = points[0] * s;
+    let mut power = t;
+    let mut binomial = 1.0;
+    let degree = count - 1;
+    for i in 1..degree {
+        binomial *= (degree + 1 - i) as f64 / i as f64;
+        sum = (sum + points[i * step] * (binomial * power)) * s;
+        power *= t;
+    }
+    sum + points[degree * step] * power
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_are_parts_of_the_curve() {
+        let points: Vec<DVec4> =
+            (0..5).map(|i| DVec4::new(f64::from(i), f64::from(i * i % 3), 0.5, 1.0)).collect();
+        for half in [0, 1] {
+            let mut part = points.clone();
+            halve(&mut part, 5, 1, half);
+            for t in [0.0, 0.3, 1.0] {
+                let whole = curve(&points, 5, 1, 0.5 * (t + half as f64));
+                assert!((curve(&part, 5, 1, t) - whole).length() < 1e-14);
+            }
+        }
+        let expected = crate::de_casteljau(&points, 0.3).point;
+        assert!((curve(&points, 5, 1, 0.3) - expected).length() < 1e-14);
+    }
+}

@@ -1,0 +1,79 @@
+//! The loops of a surface for many questions: the oracle's test, asked only of the curves near a row.
+
+use glam::DVec2;
+
+use crate::trim::{Keep, Segment, TrimLoop, Trims, ray_crosses_odd};
+
+/// The most rows, and the most entries of all rows together if every curve is in each.
+const MOST_ROWS: usize = 512;
+const MOST_ENTRIES: usize = 8_000_000;
+
+/// The loops of a surface, their curves sorted into rows of the domain.
+#[derive(Debug)]
+pub(super) struct TrimRows<'a> {
+    /// For each row the curves that may cross it. The first and the last row reach to infinity.
+    rows: Vec<Vec<&'a Segment>>,
+    keep: Keep,
+    /// Whether the loops cut anything.
+    on: bool,
+}
+
+impl<'a> TrimRows<'a> {
+    pub(super) fn new(trims: &'a Trims) -> Self {
+        let count = trims.segment_count().max(1);
+        let mut rows = vec![Vec::new(); (MOST_ENTRIES / count).clamp(1, MOST_ROWS.min(count))];
+        for segment in trims.loops.iter().flat_map(TrimLoop::segments) {
+            let heights = segment.points().iter().map(|point| point.y);
+            let least = heights.clone().fold(f64::INFINITY, f64::min);
+            let most = heights.fold(f64::NEG_INFINITY, f64::max);
+            let (first, last) = (row_of(least, rows.len()), row_of(most, rows.len()));
+            for row in &mut rows[first..=last] {
+                row.push(segment);
+            }
+        }
+        Self { rows, keep: trims.keep, on: trims.loops_on && !trims.loops.is_empty() }
+    }
+
+    /// Whether the loops cut `uv`, decided as [`Trims::cut`] does.
+    pub(super) fn cut(&self, uv: DVec2) -> bool {
+        let inside = || {
+            self.rows[row_of(uv.y, self.rows.len())]
+                .iter()
+                .fold(false, |inside, segment| inside ^ ray_crosses_odd(segment, uv))
+        };
+        self.on && inside() != (self.keep == Keep::Inside)
+    }
+}
+
+/// The row of `v`; it never falls as `v` grows, so that a curve is in the rows of all its points.
+fn row_of(v: f64, rows: usize) -> usize {
+    ((v * rows as f64) as usize).min(rows - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scene;
+
+    #[test]
+    fn rows_decide_as_all_curves_do() {
+        let path = std::path::Path::new("resources/scenes/gallery/lettering.toml");
+        let scene = Scene::load(path).unwrap();
+        for surface in &scene.surfaces {
+            let mut trims = surface.trims.clone();
+            for keep in [Keep::Outside, Keep::Inside] {
+                trims.keep = keep;
+                let rows = TrimRows::new(&trims);
+                let mut cut = 0;
+                for i in 0..10_000 {
+                    // The rows of the curves' ends, and beyond the domain.
+                    let uv = DVec2::new(f64::from(i % 100), f64::from(i / 100)) / 90.0 - 0.05;
+                    let expected = trims.cut(uv);
+                    assert_eq!(trims.shapes_cut(uv) || rows.cut(uv), expected, "{uv}");
+                    cut += i32::from(expected);
+                }
+                assert!(trims.loops.is_empty() || (100..9900).contains(&cut), "{cut}");
+            }
+        }
+    }
+}
