@@ -3,11 +3,13 @@
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-use image::{ImageReader, Limits};
+use image::{ImageFormat, ImageReader, Limits};
 
 use super::Image;
 use crate::{Error, Result};
 
+/// What a picture may be.
+const FORMATS: [ImageFormat; 3] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp];
 /// The width and height that every OpenGL 4.5 driver can hold in a texture.
 const MAX_SIDE: u32 = 16_384;
 /// The most pixels: 256 MiB in memory. A small file can hold a picture that fills any memory.
@@ -29,8 +31,12 @@ pub fn load_texture(path: &Path) -> Result<Image> {
     let open = || -> std::io::Result<ImageReader<BufReader<std::fs::File>>> {
         ImageReader::open(path)?.with_guessed_format()
     };
-    let (width, height) = open()
-        .map_err(|error| fail(error.to_string()))?
+    let reader = open().map_err(|error| fail(error.to_string()))?;
+    // The program can write other formats, and so could read them.
+    if let Some(format) = reader.format().filter(|format| !FORMATS.contains(format)) {
+        return Err(fail(format!("no PNG, JPEG or BMP picture (it is {format:?})")));
+    }
+    let (width, height) = reader
         .into_dimensions()
         .map_err(|error| fail(format!("no PNG, JPEG or BMP picture ({error})")))?;
     if width > MAX_SIDE || height > MAX_SIDE || width == 0 || height == 0 {
@@ -57,4 +63,18 @@ pub(super) fn brick() -> Image {
         .decode()
         .expect("the picture inside the library is whole")
         .into_rgba8()
+}
+
+#[cfg(all(test, feature = "cli"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_program_only_writes_is_no_picture_for_a_surface() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        image::Rgba32FImage::new(2, 2).save(&path).unwrap();
+        let text = load_texture(&path).unwrap_err().to_string();
+        assert!(text.contains("no PNG") && text.contains("OpenExr"), "{text}");
+    }
 }
