@@ -1,9 +1,7 @@
 //! The command line: what can be asked for, and who does it.
 
-#[cfg_attr(not(test), expect(dead_code, reason = "no command writes AOVs yet"))]
 mod exr;
 mod info;
-#[cfg_attr(not(test), expect(dead_code, reason = "no command measures yet"))]
 mod measure;
 mod output;
 mod render;
@@ -11,10 +9,13 @@ mod render;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, Parser, Subcommand};
-use freeform_surface::{Backend, Error, Method, Normals, Samples, Scene, TessLevel, Tolerance};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use freeform_surface::{
+    Backend, Error, Method, NewtonTrims, Normals, Samples, Scene, TessLevel, Tessellation, Tolerance,
+};
 
 use indicatif::ProgressBar;
+use exr::AovFile;
 use output::Output;
 use render::Job;
 
@@ -32,6 +33,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Render scene files to PNG pictures.
     Render(RenderArguments),
+    /// Measure how far pictures of scenes are from their surfaces, pixel by pixel.
+    Measure(MeasureArguments),
     /// Print the OpenGL driver and the limits that the program relies on.
     Info(InfoArguments),
 }
@@ -51,28 +54,19 @@ struct RenderArguments {
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
     resolution: (u32, u32),
 
-    /// Whose trims and normals: exact (right at every sample) or thesis, instead of the scene's.
-    #[arg(long, value_name = "METHOD", value_parser = method)]
-    method: Option<Method>,
+    #[command(flatten)]
+    look: LookArguments,
+
+    /// Write what each pixel's centre shows as 32-bit floats: uv (u, v and the number of the patch),
+    /// position and normal (in world space), or depth (along the view axis). May be given several
+    /// times; takes one scene.
+    #[arg(long, value_name = "KIND=FILE.exr")]
+    aov: Vec<AovFile>,
 
     /// Samples a pixel, 1 to 256 in powers of two, instead of the scene's. More than the driver has
     /// are drawn one after the other.
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<Samples>,
-
-    /// Tessellation level, 1 to 64, instead of the scene's level or tolerance.
-    #[arg(long, value_name = "N", value_parser = level, allow_negative_numbers = true)]
-    level: Option<TessLevel>,
-
-    /// The largest distance from the surface on the screen, in pixels, 0.01 to 100, instead of the
-    /// scene's level or tolerance.
-    #[arg(long, value_name = "PX", value_parser = tolerance, allow_negative_numbers = true,
-          conflicts_with = "level")]
-    tolerance: Option<Tolerance>,
-
-    /// Where normals are evaluated: vertex or pixel, instead of the scene's.
-    #[arg(long, value_name = "WHERE", value_parser = normals)]
-    normals: Option<Normals>,
 
     /// Draw lines instead of filled triangles; "--wireframe=false" where the scene wants lines.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
@@ -90,6 +84,95 @@ struct RenderArguments {
     /// from the drawing.
     #[arg(short, long)]
     verbose: bool,
+}
+
+/// What the exact and the thesis' method have in common; it wins over the scene.
+#[derive(Debug, Args)]
+struct LookArguments {
+    /// Whose trims and normals: exact (right at every sample) or thesis, instead of the scene's.
+    #[arg(long, value_name = "METHOD", value_parser = method)]
+    method: Option<Method>,
+
+    /// Tessellation level, 1 to 64, instead of the scene's level or tolerance.
+    #[arg(long, value_name = "N", value_parser = level, allow_negative_numbers = true)]
+    level: Option<TessLevel>,
+
+    /// The largest distance from the surface on the screen, in pixels, 0.01 to 100, instead of the
+    /// scene's level or tolerance.
+    #[arg(long, value_name = "PX", value_parser = tolerance, allow_negative_numbers = true,
+          conflicts_with = "level")]
+    tolerance: Option<Tolerance>,
+
+    /// Where normals are evaluated: vertex or pixel, instead of the scene's.
+    #[arg(long, value_name = "WHERE", value_parser = normals)]
+    normals: Option<Normals>,
+}
+
+#[derive(Debug, Args)]
+struct MeasureArguments {
+    /// Scene files: .toml, or .bpt for bare Bézier patches.
+    #[arg(required = true, value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+
+    /// Pixels of the picture.
+    #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
+    resolution: (u32, u32),
+
+    #[command(flatten)]
+    look: LookArguments,
+
+    /// Measure this many views by chance instead of the scene's own: far away, inside, very near,
+    /// grazing, in turns.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    views: u64,
+
+    /// Which views: the same number gives the same.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+
+    /// A line for people, or one JSON object a line.
+    #[arg(long, value_name = "FORMAT", default_value = "line")]
+    format: Format,
+
+    /// Where the OpenGL context comes from: auto, egl or osmesa.
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    backend: Backend,
+}
+
+/// Who reads what is measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// People.
+    Line,
+    /// Programs.
+    Json,
+}
+
+impl LookArguments {
+    /// Changes the settings of a scene.
+    ///
+    /// # Errors
+    /// Loops that the thesis' method cannot cut, if that is asked for.
+    fn apply(&self, scene: &mut Scene, path: &Path) -> Result<(), Error> {
+        let settings = &mut scene.settings;
+        settings.method = self.method.unwrap_or(settings.method);
+        if let Some(level) = self.level {
+            settings.tessellation = Tessellation::Level(level);
+        } else if let Some(tolerance) = self.tolerance {
+            settings.tessellation = Tessellation::Within(tolerance);
+        }
+        settings.normals = self.normals.unwrap_or(settings.normals);
+        if scene.settings.method == Method::Thesis {
+            for surface in &scene.surfaces {
+                NewtonTrims::of(&surface.trims).map_err(|error| Error::File {
+                    action: "draw",
+                    path: path.to_owned(),
+                    reason: error.to_string(),
+                })?;
+            }
+        }
+        Ok(())
+    }
 }
 
 #[derive(Debug, Args)]
@@ -178,6 +261,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
                 .map_err(|error| vec![error])?;
             render::all(arguments, &outputs)
         }
+        Some(Command::Measure(arguments)) => measure::all(arguments),
         Some(Command::Info(arguments)) => {
             info::print(arguments.backend).map_err(|error| vec![error])
         }

@@ -1,6 +1,7 @@
 //! All draw calls: a surface and a frame in, pixels in the bound framebuffer out.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
+mod aovs;
 mod drawing;
 mod prepared;
 pub mod programs;

@@ -1,8 +1,158 @@
-//! `freeform measure`: what it says about a scene, to people and to programs.
+//! `freeform measure`: how far pictures of a scene are from it, for people and for programs.
 
-use freeform_surface::Method;
-use freeform_surface::measure::Measurement;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
+use freeform_surface::measure::{Measurement, measure, random_view};
+use freeform_surface::{
+    Error, Frame, Headless, Method, PreparedScene, Renderer, Result, Scene, Tessellation, reference,
+};
+use glam::UVec2;
+use indicatif::ProgressBar;
 use serde::Serialize;
+
+use super::{Format, MeasureArguments, say};
+
+/// Frames whose median time is told.
+const FRAMES: usize = 3;
+
+/// Measures every scene and prints a line for each.
+///
+/// # Errors
+/// One for each scene that failed; the others are measured all the same.
+pub(super) fn all(arguments: &MeasureArguments) -> Result<(), Vec<Error>> {
+    let mut bench = Bench::new(arguments).map_err(|error| vec![error])?;
+    let bar = if arguments.views > 1 {
+        ProgressBar::new(arguments.views * arguments.scenes.len() as u64)
+    } else {
+        ProgressBar::hidden()
+    };
+    let mut errors = Vec::new();
+    for path in &arguments.scenes {
+        let told = bench.measure(path, &bar).and_then(|report| {
+            let line = match arguments.format {
+                Format::Line => report.line(),
+                Format::Json => report.json(),
+            };
+            bar.suspend(|| say(line))
+        });
+        errors.extend(told.err());
+    }
+    bar.finish_and_clear();
+    if errors.is_empty() { Ok(()) } else { Err(errors) }
+}
+
+/// A context with targets that one scene after the other is measured in.
+struct Bench<'a> {
+    // The order matters: OpenGL objects go before the context.
+    picture: Framebuffer,
+    numbers: FloatTarget,
+    renderer: Renderer,
+    context: Headless,
+    arguments: &'a MeasureArguments,
+}
+
+impl<'a> Bench<'a> {
+    fn new(arguments: &'a MeasureArguments) -> Result<Self> {
+        let context = Headless::new(arguments.backend)?;
+        let renderer = Renderer::new(context.gl())?;
+        let (width, height) = arguments.resolution;
+        Ok(Self {
+            picture: Framebuffer::new(context.gl(), width, height)?,
+            numbers: FloatTarget::for_aovs(&renderer, arguments.resolution)?,
+            renderer,
+            context,
+            arguments,
+        })
+    }
+
+    /// Measures a scene from its own camera, or from cameras by chance.
+    fn measure(&mut self, path: &Path, bar: &ProgressBar) -> Result<Report> {
+        let mut scene = Scene::load(path)?;
+        self.arguments.look.apply(&mut scene, path)?;
+        let mut prepared = PreparedScene::new(&self.renderer, &scene)?;
+        let mut report = Report {
+            scene: path.display().to_string(),
+            method: scene.settings.method,
+            fineness: match (scene.settings.method, scene.settings.tessellation) {
+                (Method::Exact, Tessellation::Within(tolerance)) => {
+                    Fineness::Tolerance(tolerance.pixels())
+                }
+                (_, tessellation) => Fineness::Level(tessellation.level().get()),
+            },
+            measurement: Measurement::default(),
+            triangles: 0,
+            ms: 0.0,
+            unmet_views: 0,
+        };
+        let (width, height) = self.arguments.resolution;
+        let views = self.arguments.views.max(1);
+        let mut unmet = 0.0_f64;
+        let mut met_views = 0;
+        for view in 0..views {
+            if self.arguments.views > 0 {
+                let aspect = f64::from(width) / f64::from(height);
+                scene.camera = Some(random_view(&scene, self.arguments.seed, view, aspect));
+            }
+            let (measurement, triangles, ms, left) = self.view(&scene, &mut prepared)?;
+            bar.inc(1);
+            if let Some(left) = left {
+                report.unmet_views += 1;
+                unmet = unmet.max(left);
+                if views > 1 {
+                    continue;
+                }
+            }
+            met_views += 1;
+            report.measurement = report.measurement.merge(&measurement);
+            report.triangles += triangles;
+            report.ms += ms;
+        }
+        report.triangles /= met_views.max(1);
+        report.ms /= met_views.max(1) as f64;
+        if report.unmet_views > 0 {
+            bar.suspend(|| {
+                eprintln!(
+                    "freeform: {}: tolerance not met in {} of {views} views, up to {unmet:.2} px",
+                    report.scene, report.unmet_views
+                );
+            });
+        }
+        Ok(report)
+    }
+
+    /// The errors of one view, its triangles, its milliseconds, and what a limit left of the tolerance.
+    fn view(
+        &mut self,
+        scene: &Scene,
+        prepared: &mut PreparedScene,
+    ) -> Result<(Measurement, u64, f64, Option<f64>)> {
+        let (width, height) = self.arguments.resolution;
+        let projection = scene.projection(width, height);
+        let frame = Frame { projection, settings: scene.settings };
+        let aovs = prepared.aovs(&mut self.renderer, &self.numbers, &frame)?;
+        let size = UVec2::new(width, height);
+        let coverage = reference::coverage(scene, &projection, size, scene.settings.method)?;
+        let measurement = measure(scene, &projection, &aovs, &coverage);
+        self.picture.bind();
+        let mut times = [Duration::ZERO; FRAMES];
+        for time in &mut times {
+            let start = Instant::now();
+            prepared.draw(&mut self.renderer, &frame)?;
+            gpu::finish(self.context.gl());
+            *time = start.elapsed();
+        }
+        times.sort_unstable();
+        let complaints = self.context.debug_log().take_errors();
+        if !complaints.is_empty() {
+            let what = format!("numbers for {width}x{height} pixels");
+            return Err(Error::Driver { what, reason: complaints.join("; ") });
+        }
+        let figures = prepared.figures();
+        Ok((measurement, figures.triangles, times[FRAMES / 2].as_secs_f64() * 1e3, figures.unmet))
+    }
+}
 
 /// How finely a scene was cut into triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -25,10 +175,12 @@ pub(super) struct Report {
     pub(super) fineness: Fineness,
     /// The errors of all its pictures together.
     pub(super) measurement: Measurement,
-    /// Triangles of a frame.
+    /// Triangles of a frame, on average.
     pub(super) triangles: u64,
-    /// Milliseconds of a frame.
+    /// Milliseconds of a still frame, on average.
     pub(super) ms: f64,
+    /// Views that reached a limit; if there are several views, they do not count for the rest.
+    pub(super) unmet_views: u64,
 }
 
 /// The keys of the object, in their order.
@@ -45,6 +197,7 @@ struct Object<'a> {
     crack_pixels: usize,
     triangles: u64,
     ms: f64,
+    unmet_views: u64,
 }
 
 impl Report {
@@ -75,6 +228,9 @@ impl Report {
             self.triangles,
             self.ms,
         );
+        if self.unmet_views > 0 {
+            line.push_str(&format!(", {} views at a limit", self.unmet_views));
+        }
         if errors.bad_values > 0 {
             line.push_str(&format!(", {} NaN or infinite values", errors.bad_values));
         }
@@ -95,6 +251,7 @@ impl Report {
             crack_pixels: errors.crack_pixels,
             triangles: self.triangles,
             ms: self.ms,
+            unmet_views: self.unmet_views,
         })
         .expect("strings and numbers")
     }

@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
 use freeform_surface::{
-    Backend, Error, Frame, FrameFigures, Headless, Image, Method, NewtonTrims, PreparedScene,
+    Backend, Error, Frame, FrameFigures, Headless, Image, PreparedScene,
     Renderer, Result, Samples, Scene, Tessellation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::exr::AovFile;
 use super::output::Output;
 use super::{RenderArguments, say};
 
@@ -42,7 +43,8 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
         let done = loaded.and_then(|loaded| {
             output.check_keeps(&sources)?;
             job.load = loaded.time;
-            job.render(&loaded.scene, output, &bar)
+            job.render(&loaded.scene, output, &bar)?;
+            job.write_aovs(&loaded.scene, &arguments.aov)
         });
         match done {
             Ok(()) if *output == Output::Standard => {}
@@ -65,26 +67,11 @@ impl Loaded {
     fn read(path: &Path, arguments: &RenderArguments) -> Result<Self> {
         let start = Instant::now();
         let mut scene = Scene::load(path)?;
+        arguments.look.apply(&mut scene, path)?;
         let settings = &mut scene.settings;
-        settings.method = arguments.method.unwrap_or(settings.method);
         settings.samples = arguments.samples.unwrap_or(settings.samples);
-        if let Some(level) = arguments.level {
-            settings.tessellation = Tessellation::Level(level);
-        } else if let Some(tolerance) = arguments.tolerance {
-            settings.tessellation = Tessellation::Within(tolerance);
-        }
-        settings.normals = arguments.normals.unwrap_or(settings.normals);
         settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
         settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
-        if scene.settings.method == Method::Thesis {
-            for surface in &scene.surfaces {
-                NewtonTrims::of(&surface.trims).map_err(|error| Error::File {
-                    action: "draw",
-                    path: path.to_owned(),
-                    reason: error.to_string(),
-                })?;
-            }
-        }
         Ok(Self { scene, time: start.elapsed() })
     }
 }
@@ -165,6 +152,22 @@ impl Job {
             self.print(&times);
         }
         Ok(())
+    }
+
+    /// Writes what the pixels of a scene show.
+    fn write_aovs(&mut self, scene: &Scene, files: &[AovFile]) -> Result<()> {
+        if files.is_empty() {
+            return Ok(());
+        }
+        let (width, height) = self.target.size();
+        let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
+        let target = FloatTarget::for_aovs(&self.renderer, (width, height))?;
+        let aovs = PreparedScene::new(&self.renderer, scene)?.aovs(
+            &mut self.renderer,
+            &target,
+            &frame,
+        )?;
+        files.iter().try_for_each(|file| file.write(&aovs))
     }
 
     /// How often a scene is drawn for its picture.

@@ -52,6 +52,17 @@ impl PreparedScene {
         Self { surfaces, drawing: Drawing::default(), figures: FrameFigures::default() }
     }
 
+    pub(super) fn draw_together(
+        &mut self,
+        renderer: &mut Renderer,
+        frame: &Frame,
+        output: Output,
+    ) -> Result<()> {
+        let (surfaces, drawing) = (&mut self.surfaces, &mut self.drawing);
+        self.figures = renderer.draw_together(surfaces, drawing, frame, output)?;
+        Ok(())
+    }
+
     /// What the last drawing drew.
     #[must_use]
     pub const fn figures(&self) -> FrameFigures {
@@ -70,12 +81,7 @@ impl PreparedScene {
     /// method cannot cut.
     pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
         renderer.clear(frame.settings.background);
-        self.figures = renderer.draw_together(
-            &mut self.surfaces,
-            &mut self.drawing,
-            frame,
-            Output::Picture,
-        )?;
+        self.draw_together(renderer, frame, Output::Picture)?;
         if frame.settings.control_points {
             for surface in &self.surfaces {
                 renderer.draw_control_points(surface, frame)?;

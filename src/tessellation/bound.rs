@@ -62,7 +62,7 @@ impl Rounding {
     pub(crate) fn new(to_clip: &DMat4, extent: f64) -> Self {
         // Rounded control points, a sum of them and a product with a matrix: a few units in the last
         // place of the terms' sizes. Measured errors stay below.
-        const UNIT: f64 = 1.0 / (1 << 22) as f64;
+        const UNIT: f64 = 1.0 / (1 << 23) as f64;
         let size = DVec4::new(extent, extent, extent, 1.0);
         let error = |row: DVec4| UNIT * row.abs().dot(size);
         Self { x: error(to_clip.row(0)), y: error(to_clip.row(1)), w: error(to_clip.row(3)) }

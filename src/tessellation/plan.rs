@@ -301,7 +301,7 @@ impl Plan {
         let tolerance = screen.tolerance();
         let wanted = SHARE * tolerance - SUBPIXEL - bound.rounding;
         // Beyond that more triangles do not help.
-        let aim = wanted.max(0.25 * tolerance);
+        let aim = wanted.max(0.1 * tolerance);
         let levels = bound.curvature.levels(aim);
         let most = f64::from(MOST_CELLS);
         let met = levels[0] <= most && levels[1] <= most;

@@ -1,0 +1,49 @@
+//! Scenes as numbers instead of colours.
+
+use super::{Frame, Output, PreparedScene, Renderer};
+use crate::gpu::FloatTarget;
+use crate::{Aovs, Result};
+
+/// Pictures that `common/aov.frag` fills.
+const PICTURES: u32 = 3;
+
+impl FloatTarget {
+    /// A target for [`PreparedScene::aovs`].
+    ///
+    /// # Errors
+    /// As [`FloatTarget::new`].
+    pub fn for_aovs(renderer: &Renderer, size: (u32, u32)) -> Result<Self> {
+        Self::new(renderer.gl(), size, PICTURES)
+    }
+}
+
+impl PreparedScene {
+    /// What each pixel of a frame shows, at its centre. Lines and control points are not drawn.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::draw`].
+    pub fn aovs(
+        &mut self,
+        renderer: &mut Renderer,
+        target: &FloatTarget,
+        frame: &Frame,
+    ) -> Result<Aovs> {
+        let mut frame = *frame;
+        frame.settings.wireframe = false;
+        target.bind_cleared();
+        self.draw_together(renderer, &frame, Output::Aovs)?;
+        let (uv, position) = (target.read(0), target.read(1));
+        let both = target.read(2);
+        // What is drawn has 1 in the first picture's alpha.
+        let drawn = |i: usize| uv[i][3];
+        let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
+        let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);
+        Ok(Aovs {
+            size: target.size(),
+            normal: normal.collect(),
+            depth: depth.collect(),
+            uv,
+            position,
+        })
+    }
+}
