@@ -11,11 +11,12 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use freeform_surface::{
-    Backend, Error, Method, NewtonTrims, Normals, Samples, Scene, TessLevel, Tessellation, Tolerance,
+    Backend, Error, Method, NewtonTrims, Normals, Samples, Scene, TessLevel, Tessellation,
+    Tolerance,
 };
 
-use indicatif::ProgressBar;
 use exr::AovFile;
+use indicatif::ProgressBar;
 use output::Output;
 use render::Job;
 

@@ -14,7 +14,7 @@ mod texel_buffer;
 mod texture;
 mod vertex_array;
 
-use glam::UVec2;
+use glam::{IVec2, UVec2, Vec4};
 use glow::HasContext;
 
 pub use buffer::Buffer;
@@ -95,6 +95,8 @@ pub(crate) fn check_version(gl: &glow::Context) -> Result<()> {
 
 /// What is drawn into.
 pub(crate) struct Target {
+    /// The viewport's first pixel.
+    pub(crate) first: IVec2,
     /// Width and height of the viewport in pixels, at least 1.
     pub(crate) size: UVec2,
     /// Samples a pixel.
@@ -102,6 +104,12 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    /// The viewport as `common/aov.frag` has it: its first pixel, half of its width and height.
+    pub(crate) fn viewport(&self) -> Vec4 {
+        let (first, half) = (self.first.as_vec2(), 0.5 * self.size.as_vec2());
+        Vec4::new(first.x, first.y, half.x, half.y)
+    }
+
     /// What is bound now.
     pub(crate) fn bound(gl: &glow::Context) -> Self {
         let mut viewport = [0; 4];
@@ -112,6 +120,7 @@ impl Target {
         };
         let at_least_1 = |number: i32| u32::try_from(number).unwrap_or(0).max(1);
         Self {
+            first: IVec2::new(viewport[0], viewport[1]),
             size: UVec2::new(at_least_1(viewport[2]), at_least_1(viewport[3])),
             samples: at_least_1(samples),
         }

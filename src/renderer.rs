@@ -204,8 +204,7 @@ impl Renderer {
             program.set_i32(location::SHOW_CONTROL_POINTS, 0);
         }
         if aov {
-            let to_world = frame.projection.view.inverse().as_mat4();
-            program.set_mat4(location::VIEW_TO_WORLD, &to_world);
+            set_for_aovs(program, frame, &Target::bound(&self.gl));
         }
         trims.set(surface.trims(), program, &settings.newton);
         surface.texture().bind(0);
@@ -280,8 +279,7 @@ impl Renderer {
                     program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
                 }
                 if aov {
-                    let to_world = frame.projection.view.inverse().as_mat4();
-                    program.set_mat4(location::VIEW_TO_WORLD, &to_world);
+                    set_for_aovs(program, frame, target);
                 }
                 if batch.trims.any()
                     && let Some(trims) = &surface.uploaded_trims().exact
@@ -364,6 +362,12 @@ impl Renderer {
             self.gl.use_program(None);
         }
     }
+}
+
+fn set_for_aovs(program: &Program, frame: &Frame, target: &Target) {
+    let to_world = frame.projection.view.inverse().as_mat4();
+    program.set_mat4(location::VIEW_TO_WORLD, &to_world);
+    program.set_vec4(location::VIEWPORT, target.viewport());
 }
 
 fn set_matrices(program: &Program, model: &DMat4, projection: &Projection) {

@@ -1,24 +1,80 @@
 // What a pixel shows, as numbers instead of a colour; trims are decided at the pixel's centre.
+//
+// The driver's interpolation has few digits on triangles that are seen from the edge, thinner than a
+// thousandth of a pixel. Here weights come from the corners themselves, seen from the pixel's centre.
 
-in vec2 passTessCoord;
-in vec4 position; // view space
-flat in uint passPatch;
+layout(location = 0) flat in vec3 cornerClips[3]; // x, y and w
+layout(location = 3) flat in vec3 cornerNormals[3];
+layout(location = 6) flat in vec3 cornerPositions[3]; // view space
+layout(location = 9) flat in vec2 cornerTessCoords[3];
+layout(location = 12) flat in uint patchOfTriangle;
 
 layout(location = 24) uniform mat4 viewToWorld;
+layout(location = 26) uniform vec4 viewport; // first x and y, half of the width and the height
 
 layout(location = 0) out vec4 uvAov;       // u, v, patch, 1
 layout(location = 1) out vec4 positionAov; // world space, and 1
 layout(location = 2) out vec4 normalAov;   // world space, Su × Sv; and the depth along the view axis
 
+// The corners' weights at the pixel's centre, perspective-correct.
+vec3 cornerWeights()
+{
+    vec2 center = (gl_FragCoord.xy - viewport.xy) / viewport.zw - 1.0;
+    vec2 offsets[3]; // from the centre in pixels, times w
+    vec3 w;
+    for (int i = 0; i < 3; ++i) {
+        w[i] = cornerClips[i].z;
+        offsets[i] = viewport.zw * (cornerClips[i].xy - center * w[i]);
+    }
+    vec3 weights = cross(vec3(offsets[0].x, offsets[1].x, offsets[2].x),
+        vec3(offsets[0].y, offsets[1].y, offsets[2].y));
+    float sum = weights.x + weights.y + weights.z;
+    weights /= sum;
+    // What lies behind the eye has no place on the screen.
+    bool before = min(w.x, min(w.y, w.z)) > 0.0;
+    vec2 corners[3] = vec2[](offsets[0] / w.x, offsets[1] / w.y, offsets[2] / w.z);
+    vec2 a = corners[1] - corners[0], b = corners[2] - corners[0];
+    float longest = max(dot(a, a), max(dot(b, b), dot(b - a, b - a)));
+    bool thin = abs(a.x * b.y - a.y * b.x) < 1e-3 * sqrt(longest);
+    bool outside = !(min(weights.x, min(weights.y, weights.z)) >= 0.0);
+    if (before && (thin || outside)) {
+        // Rounding has moved the triangle or hides its width: the nearest place on its border.
+        float nearest = 1e30;
+        for (int i = 0; i < 3; ++i) {
+            int j = i == 2 ? 0 : i + 1;
+            vec2 edge = corners[j] - corners[i];
+            float square = dot(edge, edge);
+            float t = square > 0.0 ? clamp(-dot(corners[i], edge) / square, 0.0, 1.0) : 0.0;
+            vec2 place = corners[i] + t * edge;
+            if (dot(place, place) < nearest) {
+                nearest = dot(place, place);
+                weights = vec3(0.0);
+                weights[i] = (1.0 - t) / w[i];
+                weights[j] = t / w[j];
+            }
+        }
+    }
+    weights = max(weights, 0.0);
+    return weights / (weights.x + weights.y + weights.z);
+}
+
 void main()
 {
+    vec3 weights = cornerWeights();
+    vec2 uv = mat3x2(cornerTessCoords[0], cornerTessCoords[1], cornerTessCoords[2]) * weights;
 #ifdef TRIMMED
-    if (cut(passTessCoord))
+    if (cut(uv))
         discard;
 #endif
-    uvAov = vec4(passTessCoord, float(passPatch), 1.0);
-    positionAov = vec4((viewToWorld * vec4(position.xyz, 1.0)).xyz, 1.0);
-    vec3 normal = mat3(viewToWorld) * normalAt(passTessCoord);
+    vec3 position = mat3(cornerPositions[0], cornerPositions[1], cornerPositions[2]) * weights;
+#ifdef PIXEL_NORMALS
+    vec3 normal = normalAt(uv);
+#else
+    vec3 normal = mat3(cornerNormals[0], cornerNormals[1], cornerNormals[2]) * weights;
+#endif
+    uvAov = vec4(uv, float(patchOfTriangle), 1.0);
+    positionAov = vec4((viewToWorld * vec4(position, 1.0)).xyz, 1.0);
+    normal = mat3(viewToWorld) * normal;
     float size = length(normal);
     normalAov = vec4(size > 0.0 ? -normal / size : vec3(0.0), -position.z);
 }

@@ -5,9 +5,15 @@
 layout(binding = 3) uniform samplerBuffer controlPoints;
 layout(binding = 4) uniform samplerBuffer surfaces;
 
-flat in uvec4 passPlace;
-#ifdef DEGENERATE
-flat in vec2 passLongest;
+#ifdef AOV
+layout(location = 13) flat in uvec4 passPlace;
+#else
+layout(location = 4) flat in uvec4 passPlace;
+#endif
+#if defined(DEGENERATE) && defined(AOV)
+layout(location = 14) flat in vec2 passLongest;
+#elif defined(DEGENERATE)
+layout(location = 5) flat in vec2 passLongest;
 #endif
 
 vec4 controlPoint(int index)
@@ -34,7 +40,7 @@ vec3 normalAt(vec2 uv)
     return size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
 }
 #else
-in vec3 passNormal;
+layout(location = 0) in vec3 passNormal;
 
 vec3 normalAt(vec2 uv)
 {

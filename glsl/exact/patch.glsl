@@ -123,13 +123,17 @@ vec3 patchNormal(vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
     vec3 normal = cross(v, u);
     float uu = dot(u, u), vv = dot(v, v);
     // Shorter tangents are mostly rounding.
-    bool plain = uu > 1e-6 * longest.x * longest.x && vv > 1e-6 * longest.y * longest.y
+    bool plain = uu > 1e-7 * longest.x * longest.x && vv > 1e-7 * longest.y * longest.y
         && dot(normal, normal) > 1e-8 * uu * vv;
     if (!plain) {
         float size = longest.x * longest.y;
+        vec3 here = normal;
         normal = cross(v, uInwards) + cross(vInwards, u);
         if (dot(normal, normal) <= 1e-8 * size * size)
             normal = cross(vInwards, uInwards);
+        // Short of where it vanishes it may turn back: what is left of it tells, if more than rounding.
+        if (dot(here, here) > 1e-10 * size * size && dot(here, normal) < 0.0)
+            normal = -normal;
     }
     return normal;
 }

@@ -2,8 +2,8 @@
 //
 // SAMPLES is how many samples a pixel of the target has.
 
-in vec4 position;
-in vec2 passTessCoord;
+layout(location = 1) in vec2 passTessCoord;
+layout(location = 2) in vec4 position;
 
 layout(binding = 0) uniform sampler2D colortexture;
 

@@ -17,16 +17,16 @@ patch in vec2 longest;
 #endif
 
 invariant gl_Position;  // parts of a patch are drawn by two programs and must meet
-out vec3 passNormal;    // view space, unit length
-out vec2 passTessCoord; // (u, v), for the trims and the texture
-out vec4 position;      // view space
+layout(location = 0) out vec3 passNormal;    // view space, unit length
+layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims and the texture
+layout(location = 2) out vec4 position;      // view space
 #ifdef AOV
-flat out uint passPatch;
+layout(location = 3) flat out uint passPatch;
 #endif
 #ifdef PIXEL_NORMALS
-flat out uvec4 passPlace;
+layout(location = 4) flat out uvec4 passPlace;
 #ifdef DEGENERATE
-flat out vec2 passLongest;
+layout(location = 5) flat out vec2 passLongest;
 #endif
 #endif
 

@@ -1,9 +1,9 @@
 // Listing 13: the light of listing 7 (common/phong.glsl), then the trims.
 
-in vec3 passNormal;
-in vec4 position;
-in vec2 passTessCoord;
-in vec2 passUVCoord;
+layout(location = 0) in vec3 passNormal;
+layout(location = 1) in vec2 passTessCoord;
+layout(location = 2) in vec4 position;
+layout(location = 4) in vec2 passUVCoord;
 
 layout(binding = 0) uniform sampler2D colortexture;
 

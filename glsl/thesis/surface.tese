@@ -13,13 +13,13 @@ layout(location = 2) uniform mat4 viewMatrix;
 layout(location = 3) uniform mat4 projectionMatrix;
 layout(location = 4) uniform vec3 part; // of the domain: where it begins in u and v, its length
 
-out vec3 passNormal;    // view space, unit length
-out vec2 passTessCoord; // (u, v), for the trims
-out vec2 passUVCoord;   // (u, v), for the texture
-out vec4 position;      // view space
+layout(location = 0) out vec3 passNormal;    // view space, unit length
+layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims
+layout(location = 2) out vec4 position;      // view space
+layout(location = 4) out vec2 passUVCoord;   // (u, v), for the texture
 #ifdef AOV
 layout(location = 25) uniform int firstPatch; // of the draw
-flat out uint passPatch;
+layout(location = 3) flat out uint passPatch;
 #endif
 
 // Unit length, or zero where the listing would divide by zero.

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
 use freeform_surface::{
-    Backend, Error, Frame, FrameFigures, Headless, Image, PreparedScene,
-    Renderer, Result, Samples, Scene, Tessellation,
+    Backend, Error, Frame, FrameFigures, Headless, Image, PreparedScene, Renderer, Result, Samples,
+    Scene, Tessellation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -162,11 +162,8 @@ impl Job {
         let (width, height) = self.target.size();
         let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
         let target = FloatTarget::for_aovs(&self.renderer, (width, height))?;
-        let aovs = PreparedScene::new(&self.renderer, scene)?.aovs(
-            &mut self.renderer,
-            &target,
-            &frame,
-        )?;
+        let aovs =
+            PreparedScene::new(&self.renderer, scene)?.aovs(&mut self.renderer, &target, &frame)?;
         files.iter().try_for_each(|file| file.write(&aovs))
     }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use glow::{HasContext, NativeUniformLocation};
 
 use super::create;
@@ -19,6 +19,8 @@ pub enum StageKind {
     TessControl,
     /// Tessellation evaluation.
     TessEvaluation,
+    /// Geometry.
+    Geometry,
     /// Fragment.
     Fragment,
 }
@@ -29,6 +31,7 @@ impl StageKind {
             Self::Vertex => glow::VERTEX_SHADER,
             Self::TessControl => glow::TESS_CONTROL_SHADER,
             Self::TessEvaluation => glow::TESS_EVALUATION_SHADER,
+            Self::Geometry => glow::GEOMETRY_SHADER,
             Self::Fragment => glow::FRAGMENT_SHADER,
         }
     }
@@ -38,6 +41,7 @@ impl StageKind {
             Self::Vertex => "vertex stage",
             Self::TessControl => "tessellation control stage",
             Self::TessEvaluation => "tessellation evaluation stage",
+            Self::Geometry => "geometry stage",
             Self::Fragment => "fragment stage",
         }
     }
@@ -164,6 +168,22 @@ impl Program {
                 Some(&location),
                 false,
                 value.as_ref(),
+            );
+        }
+    }
+
+    /// Sets a `vec4`.
+    pub fn set_vec4(&self, location: u32, value: Vec4) {
+        let location = NativeUniformLocation(location);
+        // SAFETY: as in `set_mat4`.
+        unsafe {
+            self.gl.program_uniform_4_f32(
+                self.raw,
+                Some(&location),
+                value.x,
+                value.y,
+                value.z,
+                value.w,
             );
         }
     }

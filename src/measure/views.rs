@@ -16,7 +16,7 @@ const TRIES: usize = 16;
 /// | | the eye | looks at |
 /// |---|---|---|
 /// | 0, far | 2 to 20 sizes off the box's middle | the middle |
-/// | 1, inside | anywhere in the box | any direction |
+/// | 1, inside | anywhere in the box, which is grown by a tenth of a size | any direction |
 /// | 2, very near | 0.02 to 0.2 sizes off a point of the surface, any direction | that point |
 /// | 3, grazing | 0.3 to 2 sizes off a point, 0.5° to 5° out of its tangent plane | that point |
 ///
@@ -42,6 +42,8 @@ pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera 
             (middle + random.direction() * (size * random.between(2.0, 20.0)), middle)
         }
         1 => {
+            // A flat model has no inside: seen from within its plane it would be nothing at all.
+            let (low, high) = (low - 0.1 * size, high + 0.1 * size);
             let eye = low + (high - low) * DVec3::from_array([(); 3].map(|()| random.unit()));
             (eye, eye + random.direction() * size)
         }

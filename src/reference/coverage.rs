@@ -316,9 +316,10 @@ impl Triangle {
         }
     }
 
-    /// Whether trims cut the surface at a corner of a pixel or in the middle of one of its edges.
+    /// Whether trims cut the surface at a corner of a pixel or in the middle of one of its edges, or
+    /// as close to its centre as rounding decides.
     fn is_cut_around(&self, center: DVec2, cut: &Cut<'_>) -> bool {
-        const AROUND: [f64; 3] = [-0.5, 0.0, 0.5];
+        const AROUND: [f64; 5] = [-0.5, -0.02, 0.0, 0.02, 0.5];
         AROUND
             .iter()
             .flat_map(|y| AROUND.iter().map(|x| DVec2::new(*x, *y)))

@@ -65,6 +65,8 @@ pub mod location {
     pub const VIEW_TO_WORLD: u32 = 24;
     /// `firstPatch`.
     pub const FIRST_PATCH: u32 = 25;
+    /// `viewport`.
+    pub const VIEWPORT: u32 = 26;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.
@@ -226,7 +228,8 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 18] = glsl![
+const FILES: [(&str, &str); 19] = glsl![
+    "common/aov.geom",
     "common/aov.frag",
     "common/normal.frag",
     "common/phong.glsl",
@@ -289,7 +292,7 @@ impl Sources {
     /// # Errors
     /// A shader that the driver does not take; with file and line.
     pub fn link(&self, gl: &Arc<glow::Context>, key: ProgramKey) -> Result<Program> {
-        use StageKind::{Fragment, TessControl, TessEvaluation, Vertex};
+        use StageKind::{Fragment, Geometry, TessControl, TessEvaluation, Vertex};
         let (label, side, files): (_, _, &[(StageKind, &'static str)]) = match key.pipeline {
             Pipeline::Thesis(degree) => (
                 "thesis surface",
@@ -349,8 +352,10 @@ impl Sources {
         defines.extend(on.map(|(name, _)| (name, 1)));
         defines.extend(key.trims.loop_columns.map(|columns| ("LOOP_COLUMNS", columns.get())));
 
+        let numbers = key.aov.then_some(&(Geometry, "common/aov.geom"));
         let stages: Vec<Stage> = files
             .iter()
+            .chain(numbers)
             .map(|(kind, file)| {
                 let exact = matches!(key.pipeline, Pipeline::Exact { .. });
                 let mut parts = Vec::with_capacity(5);
@@ -358,7 +363,7 @@ impl Sources {
                     parts.push(self.part("exact/patch.glsl"));
                 }
                 if *kind == Fragment {
-                    if exact || key.aov {
+                    if exact && (pixel_normals || !key.aov) {
                         parts.push(self.part("common/normal.frag"));
                     }
                     if key.shading == Shading::Phong && !key.aov {

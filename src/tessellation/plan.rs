@@ -287,8 +287,8 @@ impl Plan {
     ) -> State {
         let bound = net.bound(screen, rounding);
         let levels = self.levels_of(&bound, screen, false);
-        if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE {
-            let cells = levels.map(|level| level as u8);
+        if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
+            let cells = self.levels_of(&bound, screen, true).map(|level| level as u8);
             return State { drawn: true, cells, ..State::default() };
         }
         self.leaves.clear();
@@ -296,25 +296,24 @@ impl Plan {
         self.gather()
     }
 
-    /// The levels that a bound asks for. What cannot be met is noted if these are the last.
-    fn levels_of(&mut self, bound: &Bound, screen: &Screen, last: bool) -> [f64; 2] {
+    /// The levels that a bound asks for. If they are what is drawn, they are at most what OpenGL draws,
+    /// and their error is noted.
+    fn levels_of(&mut self, bound: &Bound, screen: &Screen, drawn: bool) -> [f64; 2] {
         let tolerance = screen.tolerance();
         let wanted = SHARE * tolerance - SUBPIXEL - bound.rounding;
         // Beyond that more triangles do not help.
         let aim = wanted.max(0.1 * tolerance);
         let levels = bound.curvature.levels(aim);
-        let most = f64::from(MOST_CELLS);
-        let met = levels[0] <= most && levels[1] <= most;
-        if last || (levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE) {
-            let levels = levels.map(|level| level.min(most));
-            let error = bound.curvature.error(levels) + bound.rounding;
-            self.note_error(error);
-            if !met || wanted < aim {
-                self.figures.unmet = Some(self.figures.unmet.unwrap_or(0.0).max(error));
-            }
+        if !drawn {
             return levels;
         }
-        levels
+        let drawn = levels.map(|level| level.min(MOST_CELLS.into()));
+        let error = bound.curvature.error(drawn) + bound.rounding;
+        self.note_error(error);
+        if drawn != levels || wanted < aim {
+            self.figures.unmet = Some(self.figures.unmet.unwrap_or(0.0).max(error));
+        }
+        drawn
     }
 
     /// Halves a part until it needs few cells or is not seen.
@@ -330,22 +329,21 @@ impl Plan {
             return;
         }
         let bound = net.bound(screen, rounding);
-        let last = part.halvings == [MOST_HALVINGS; 2];
-        let levels = self.levels_of(&bound, screen, last);
-        let needs =
-            [0, 1].map(|axis| levels[axis] > MOST_WHOLE && part.halvings[axis] < MOST_HALVINGS);
+        let levels = self.levels_of(&bound, screen, false);
+        let too_deep = is_too_deep(&bound, screen);
+        let needs = [0, 1].map(|axis| {
+            (levels[axis] > MOST_WHOLE || too_deep) && part.halvings[axis] < MOST_HALVINGS
+        });
         let axis = match needs {
             [false, false] => {
-                let cells = if last {
-                    levels
-                } else {
-                    // One direction may have no halvings left.
-                    self.levels_of(&bound, screen, true)
-                };
+                let cells = self.levels_of(&bound, screen, true);
                 self.leaves.push(Leaf { cells: Some(cells.map(|level| level as u8)), ..part });
                 return;
             }
-            [true, true] => usize::from(levels[1] > levels[0]),
+            // The longer one, or in turns.
+            [true, true] => {
+                usize::from((levels[1], part.halvings[0]) > (levels[0], part.halvings[1]))
+            }
             [along_u, _] => usize::from(!along_u),
         };
         let halves = if axis == 0 { net.halves_along_u() } else { net.halves_along_v() };
@@ -569,6 +567,12 @@ impl Plan {
 /// The axis that a side runs along: sides u = 0 and u = 1 run along v.
 const fn axis_of(side: usize) -> usize {
     1 - side % 2
+}
+
+/// Whether a part reaches so far into the depth that rounding would move what is seen of its near end;
+/// smaller parts help.
+fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
+    bound.rounding > 0.1 * screen.tolerance() && bound.depth_ratio > 2.0
 }
 
 /// A patch in clip space, unless it is out of sight or faces away where that counts.
