@@ -25,6 +25,8 @@ const MOST_WHOLE: f64 = 32.0;
 const MOST_CELLS: u32 = 64;
 /// A patch has at most 2⁷ parts along a side.
 const MOST_HALVINGS: u8 = 7;
+/// How often a part is halved further to tell its error.
+const DEEPER: u32 = 6;
 /// Rasterisers move vertices to 1/256 of a pixel.
 const SUBPIXEL: f64 = 0.003;
 /// What the tessellator's fixed-point places can add, as a share of the tolerance.
@@ -211,7 +213,8 @@ impl Plan {
                 continue;
             };
             let bound = net.bound(screen, &surface.rounding);
-            self.note_error(bound.curvature.error([level; 2]) + bound.rounding);
+            let error = bound.curvature.error([level; 2]) + bound.rounding;
+            raise(&mut self.figures.largest_bound, error);
             let cells = [fixed.parts.level; 2];
             let degenerate = usize::from(surface.shapes[patch].may_degenerate());
             for (list, places) in [
@@ -251,11 +254,6 @@ impl Plan {
         }
     }
 
-    fn note_error(&mut self, error: f64) {
-        let known = self.figures.largest_bound.unwrap_or(0.0);
-        self.figures.largest_bound = Some(known.max(error));
-    }
-
     /// Decides about the patches of a surface, each by itself.
     fn surface_within<const N: usize>(
         &mut self,
@@ -286,9 +284,9 @@ impl Plan {
         rounding: &Rounding,
     ) -> State {
         let bound = net.bound(screen, rounding);
-        let levels = self.levels_of(&bound, screen, false);
+        let levels = wanted_levels(&bound, screen);
         if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
-            let cells = self.levels_of(&bound, screen, true).map(|level| level as u8);
+            let cells = self.settle(net, &bound, screen, rounding);
             return State { drawn: true, cells, ..State::default() };
         }
         self.leaves.clear();
@@ -296,24 +294,21 @@ impl Plan {
         self.gather()
     }
 
-    /// The levels that a bound asks for. If they are what is drawn, they are at most what OpenGL draws,
-    /// and their error is noted.
-    fn levels_of(&mut self, bound: &Bound, screen: &Screen, drawn: bool) -> [f64; 2] {
-        let tolerance = screen.tolerance();
-        let wanted = SHARE * tolerance - SUBPIXEL - bound.rounding;
-        // Beyond that more triangles do not help.
-        let aim = wanted.max(0.1 * tolerance);
-        let levels = bound.curvature.levels(aim);
-        if !drawn {
-            return levels;
+    /// The cells that a part is drawn with: at most what OpenGL draws. Their error is noted.
+    fn settle<const N: usize>(
+        &mut self,
+        net: &ClipNet<N>,
+        bound: &Bound,
+        screen: &Screen,
+        rounding: &Rounding,
+    ) -> [u8; 2] {
+        let cells = wanted_levels(bound, screen).map(|level| level.min(MOST_CELLS.into()));
+        let error = left_over(net, bound, cells, screen, rounding, DEEPER);
+        raise(&mut self.figures.largest_bound, error);
+        if error > screen.tolerance() {
+            raise(&mut self.figures.unmet, error);
         }
-        let drawn = levels.map(|level| level.min(MOST_CELLS.into()));
-        let error = bound.curvature.error(drawn) + bound.rounding;
-        self.note_error(error);
-        if drawn != levels || wanted < aim {
-            self.figures.unmet = Some(self.figures.unmet.unwrap_or(0.0).max(error));
-        }
-        drawn
+        cells.map(|cells| cells as u8)
     }
 
     /// Halves a part until it needs few cells or is not seen.
@@ -329,15 +324,15 @@ impl Plan {
             return;
         }
         let bound = net.bound(screen, rounding);
-        let levels = self.levels_of(&bound, screen, false);
+        let levels = wanted_levels(&bound, screen);
         let too_deep = is_too_deep(&bound, screen);
         let needs = [0, 1].map(|axis| {
             (levels[axis] > MOST_WHOLE || too_deep) && part.halvings[axis] < MOST_HALVINGS
         });
         let axis = match needs {
             [false, false] => {
-                let cells = self.levels_of(&bound, screen, true);
-                self.leaves.push(Leaf { cells: Some(cells.map(|level| level as u8)), ..part });
+                let cells = self.settle(net, &bound, screen, rounding);
+                self.leaves.push(Leaf { cells: Some(cells), ..part });
                 return;
             }
             // The longer one, or in turns.
@@ -567,6 +562,45 @@ impl Plan {
 /// The axis that a side runs along: sides u = 0 and u = 1 run along v.
 const fn axis_of(side: usize) -> usize {
     1 - side % 2
+}
+
+/// Keeps the larger number.
+fn raise(most: &mut Option<f64>, value: f64) {
+    *most = Some(most.map_or(value, |most| most.max(value)));
+}
+
+/// The levels that a part needs.
+fn wanted_levels(bound: &Bound, screen: &Screen) -> [f64; 2] {
+    let tolerance = screen.tolerance();
+    // Where rounding leaves little, more triangles do not help.
+    let left = SHARE * tolerance - SUBPIXEL - bound.rounding;
+    bound.curvature.levels(left.max(0.1 * tolerance))
+}
+
+/// How far a part of so many cells can be from the surface at most. Where its bound is above the
+/// tolerance, smaller parts may tell better: much of it may be out of sight.
+fn left_over<const N: usize>(
+    net: &ClipNet<N>,
+    bound: &Bound,
+    cells: [f64; 2],
+    screen: &Screen,
+    rounding: &Rounding,
+    deeper: u32,
+) -> f64 {
+    let error = bound.curvature.error(cells) + bound.rounding;
+    if error <= screen.tolerance() || deeper == 0 {
+        return error;
+    }
+    let halves = net.halves_along_u();
+    let quarters = halves.iter().flat_map(ClipNet::halves_along_v);
+    quarters
+        .filter(|quarter| !quarter.is_outside())
+        .map(|quarter| {
+            let bound = quarter.bound(screen, rounding);
+            let cells = cells.map(|cells| 0.5 * cells);
+            left_over(&quarter, &bound, cells, screen, rounding, deeper - 1)
+        })
+        .fold(0.0, f64::max)
 }
 
 /// Whether a part reaches so far into the depth that rounding would move what is seen of its near end;
