@@ -93,6 +93,7 @@ impl StaticMesh {
             "static mesh",
             &[("PHONG", 1), ("TRIMMED", 1), ("CIRCLES", 1)],
             &stages,
+            &[],
         )
         .expect("it links");
         let Paint::Texture(image) = &surface.paint else { unreachable!("the scene has bricks") };

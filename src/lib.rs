@@ -86,7 +86,7 @@ pub use camera::{Camera, Lens, Projection};
 pub use error::{Error, Result};
 #[cfg(feature = "headless")]
 pub use headless::{Backend, Headless};
-pub use renderer::{Frame, PreparedScene, Renderer};
+pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
     Cull, Image, Method, Normals, Paint, RenderSettings, Samples, Scene, Shading, Surface,
     TessLevel, Tessellation, Tolerance, default_control_points, load_texture,

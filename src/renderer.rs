@@ -6,6 +6,7 @@ mod drawing;
 mod prepared;
 pub mod programs;
 mod smooth;
+mod triangles;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -17,9 +18,12 @@ use drawing::Batch;
 pub(crate) use drawing::Drawing;
 pub use prepared::PreparedScene;
 use programs::{
-    CONTROL_POINTS_UNIT, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TrimFeatures, location,
+    CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TrimFeatures,
+    location,
 };
 pub use smooth::sample_offsets;
+pub use triangles::DrawnVertex;
+use triangles::Feedback;
 
 use crate::camera::Projection;
 use crate::gpu::{Program, Target, VertexArray, check_version};
@@ -36,15 +40,6 @@ pub struct Frame {
     pub projection: Projection,
     /// How it is drawn.
     pub settings: RenderSettings,
-}
-
-/// What is written for each pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Output {
-    /// A colour.
-    Picture,
-    /// Numbers.
-    Aovs,
 }
 
 /// Draws surfaces with the OpenGL context of its caller.
@@ -153,7 +148,7 @@ impl Renderer {
             Method::Exact => {
                 let target = Target::bound(&self.gl);
                 drawing.update(&self.gl, surfaces, frame, target.size)?;
-                self.draw_exact(surfaces, drawing, frame, &target, output)?;
+                self.draw_exact(surfaces, drawing, frame, &target, output, None)?;
                 Ok(drawing.figures())
             }
         }
@@ -190,7 +185,7 @@ impl Renderer {
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading: surface.shading(),
             trims: trims.features(surface.trims()),
-            aov,
+            output,
         };
         let settings = &frame.settings;
         self.program(key)?;
@@ -242,6 +237,7 @@ impl Renderer {
         frame: &Frame,
         target: &Target,
         output: Output,
+        mut kept: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
         let (Some(parts), Some(matrices)) = (drawing.parts(), drawing.matrices()) else {
             return Ok(());
@@ -257,7 +253,7 @@ impl Renderer {
             },
             shading: batch.shading,
             trims: batch.trims,
-            aov,
+            output,
         };
         // Before anything is bound: a program may be refused.
         let mut last = None;
@@ -293,9 +289,13 @@ impl Renderer {
                 self.parts_array.bind(parts);
             }
             last = Some(draw.batch);
+            let feedback = kept.as_deref_mut().map(|_| Feedback::begin(&self.gl, draw.triangles));
             // SAFETY: the context is current (see the type); the range lies within the buffer, whose
             // bytes fit an i32 since it was made.
             unsafe { self.gl.draw_arrays(glow::PATCHES, draw.first, draw.count) }
+            if let (Some(feedback), Some(kept)) = (feedback, kept.as_deref_mut()) {
+                feedback?.end(kept);
+            }
         }
         self.release();
         Ok(())
@@ -329,7 +329,7 @@ impl Renderer {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
             trims: TrimFeatures::NONE,
-            aov: false,
+            output: Output::Picture,
         })?;
         program.bind();
         set_matrices(program, &surface.points_to_world(), &frame.projection);

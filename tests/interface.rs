@@ -7,7 +7,7 @@ use std::num::NonZeroU32;
 
 use freeform_surface::gpu::Program;
 use freeform_surface::renderer::programs::{
-    CONTROL_POINTS_UNIT, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING,
+    CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING,
     TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
 use freeform_surface::{Degree, Error, Headless, Normals, Shading};
@@ -59,7 +59,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
                 pipeline: Pipeline::Thesis(degree),
                 shading: Shading::Phong,
                 trims: TrimFeatures::ALL,
-                aov: false,
+                output: Output::Picture,
             };
             let program = Sources::default().link(context.gl(), key).unwrap();
             for (name, place) in [
@@ -104,7 +104,7 @@ fn the_report_program_has_the_names_of_the_report() {
             pipeline: Pipeline::Report,
             shading: Shading::Unlit,
             trims: TrimFeatures::default(),
-            aov: false,
+            output: Output::Picture,
         };
         let program = Sources::default().link(context.gl(), key).unwrap();
         for (name, place) in [
@@ -130,7 +130,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
             pipeline: Pipeline::Thesis(Degree::Cubic),
             shading: Shading::Phong,
             trims,
-            aov: false,
+            output: Output::Picture,
         };
         Sources::default().link(context.gl(), key).unwrap()
     };
@@ -166,7 +166,7 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
             (Pipeline::Thesis(Degree::Cubic), Shading::Unlit),
             (Pipeline::Report, Shading::Unlit),
         ] {
-            let key = ProgramKey { pipeline, shading, trims, aov: false };
+            let key = ProgramKey { pipeline, shading, trims, output: Output::Picture };
             Sources::default().link(context.gl(), key).unwrap_or_else(|e| panic!("{key:?}: {e}"));
         }
     }
@@ -185,15 +185,15 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             shape_grid: has(3),
             ..TrimFeatures::NONE
         };
-        for (degree, samples, shading, degenerate, normals, aov) in [
-            (Degree::Cubic, 1, Shading::Phong, false, Normals::Vertex, false),
-            (Degree::Quartic, 4, Shading::Normals, true, Normals::Pixel, false),
-            (Degree::Cubic, 4, Shading::Unlit, true, Normals::Vertex, false),
-            (Degree::Quartic, 1, Shading::Phong, false, Normals::Pixel, true),
-            (Degree::Cubic, 1, Shading::Unlit, true, Normals::Pixel, true),
+        for (degree, samples, shading, degenerate, normals, output) in [
+            (Degree::Cubic, 1, Shading::Phong, false, Normals::Vertex, Output::Picture),
+            (Degree::Quartic, 4, Shading::Normals, true, Normals::Pixel, Output::Picture),
+            (Degree::Cubic, 4, Shading::Unlit, true, Normals::Vertex, Output::Picture),
+            (Degree::Quartic, 1, Shading::Phong, false, Normals::Pixel, Output::Aovs),
+            (Degree::Cubic, 1, Shading::Unlit, true, Normals::Pixel, Output::Aovs),
         ] {
             let pipeline = Pipeline::Exact { degree, samples, degenerate, normals };
-            let key = ProgramKey { pipeline, shading, trims, aov };
+            let key = ProgramKey { pipeline, shading, trims, output };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));
@@ -203,7 +203,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             assert_eq!(unit("trimPoints"), words.map(|unit| unit + 1), "{key:?}");
             assert_eq!(unit("controlPoints"), Some(CONTROL_POINTS_UNIT as i32));
             assert_eq!(unit("surfaces"), Some(SURFACES_UNIT as i32));
-            let to_world = aov.then_some(location::VIEW_TO_WORLD);
+            let to_world = (output == Output::Aovs).then_some(location::VIEW_TO_WORLD);
             assert_eq!(program.uniform_location("viewToWorld"), to_world);
         }
     }
@@ -216,7 +216,7 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
         pipeline: Pipeline::Thesis(Degree::Cubic),
         shading: Shading::Phong,
         trims: TrimFeatures::ALL,
-        aov: false,
+        output: Output::Picture,
     };
     let sources =
         Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");

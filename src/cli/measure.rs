@@ -278,6 +278,7 @@ mod tests {
             },
             triangles: 1024,
             ms: 2.25,
+            unmet_views: 0,
         }
     }
 
@@ -285,7 +286,7 @@ mod tests {
     fn the_object_has_its_keys_in_order() {
         let expected = r#"{"scene":"a \"b\"\n.toml","method":"thesis","level":16,"#.to_owned()
             + r#""max_error_px":0.4375,"mean_error_px":0.0625,"normal_error_deg":1.5,"#
-            + r#""silhouette_pixels":7,"crack_pixels":2,"triangles":1024,"ms":2.25}"#;
+            + r#""silhouette_pixels":7,"crack_pixels":2,"triangles":1024,"ms":2.25,"unmet_views":0}"#;
         assert_eq!(report().json(), expected);
         let report =
             Report { method: Method::Exact, fineness: Fineness::Tolerance(0.5), ..report() };
@@ -316,7 +317,9 @@ mod tests {
         assert_eq!(report.line(), expected);
         report.fineness = Fineness::Tolerance(0.25);
         report.measurement.bad_values = 3;
+        report.unmet_views = 2;
         let line = report.line();
+        assert!(line.contains("2 views at a limit"));
         assert!(line.contains("tolerance 0.25 px") && line.ends_with("3 NaN or infinite values"));
     }
 }

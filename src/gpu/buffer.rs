@@ -65,6 +65,31 @@ impl Buffer {
         }
     }
 
+    /// Makes this the buffer that transform feedback writes.
+    pub fn bind_feedback(&self) {
+        // SAFETY: the context is current (see the module); the buffer lives as long as `self`.
+        unsafe { self.gl.bind_buffer_base(glow::TRANSFORM_FEEDBACK_BUFFER, 0, Some(self.raw)) }
+    }
+
+    /// Reads so many values from the first on.
+    ///
+    /// # Panics
+    /// If the buffer holds fewer.
+    #[must_use]
+    pub fn read<T: Pod>(&self, count: usize) -> Vec<T> {
+        assert!(count * size_of::<T>() <= self.bytes, "read beyond the end of a buffer");
+        let mut values = vec![T::zeroed(); count];
+        // SAFETY: the context is current (see the module); the range was just checked.
+        unsafe {
+            // glow 0.17 has no call that needs no binding.
+            self.gl.bind_buffer(glow::COPY_READ_BUFFER, Some(self.raw));
+            let bytes = bytemuck::cast_slice_mut(&mut values);
+            self.gl.get_buffer_sub_data(glow::COPY_READ_BUFFER, 0, bytes);
+            self.gl.bind_buffer(glow::COPY_READ_BUFFER, None);
+        }
+        values
+    }
+
     pub(super) const fn raw(&self) -> glow::Buffer {
         self.raw
     }

@@ -92,7 +92,8 @@ impl Drop for Shader<'_> {
 
 impl Program {
     /// Compiles each stage, checking one before the next, and links them. `defines` are the names
-    /// and values of `#define` lines that stand before every stage.
+    /// and values of `#define` lines that stand before every stage, `kept` the outputs of the last stage
+    /// before the fragments that transform feedback can keep.
     ///
     /// # Errors
     /// The stage, its files and the driver's log, or the driver's reason for not linking.
@@ -101,6 +102,7 @@ impl Program {
         label: &str,
         defines: &[(&str, u32)],
         stages: &[Stage],
+        kept: &[&str],
     ) -> Result<Self> {
         let mut shaders = Vec::with_capacity(stages.len());
         for stage in stages {
@@ -112,6 +114,9 @@ impl Program {
             let program = Self { gl: Arc::clone(gl), raw: create(label, gl.create_program())? };
             for shader in &shaders {
                 gl.attach_shader(program.raw, shader.raw);
+            }
+            if !kept.is_empty() {
+                gl.transform_feedback_varyings(program.raw, kept, glow::INTERLEAVED_ATTRIBS);
             }
             gl.link_program(program.raw);
             for shader in &shaders {

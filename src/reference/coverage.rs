@@ -332,7 +332,7 @@ impl Triangle {
 mod tests {
     use super::*;
     use crate::reference::{Pixel, render};
-    use crate::{Camera, Degree, Lens, Surface, TessLevel};
+    use crate::{Camera, Degree, Lens, Surface, TessLevel, Tessellation};
     use glam::{DVec3, dvec2, dvec3};
 
     /// A flat patch over x and y from `low` to `high`, with z = 0.
@@ -415,7 +415,7 @@ mod tests {
             ("scenes/gallery/lettering.toml", Method::Exact),
         ] {
             let mut scene = Scene::load(format!("resources/{file}").as_ref()).unwrap();
-            scene.settings.level = TessLevel::MAX;
+            scene.settings.tessellation = Tessellation::Level(TessLevel::MAX);
             let size = UVec2::new(160, 100);
             let picture = render(&scene, size, method).unwrap();
             let projection = scene.projection(size.x, size.y);

@@ -1,6 +1,7 @@
 //! Scenes as numbers instead of colours.
 
-use super::{Frame, Output, PreparedScene, Renderer};
+use super::programs::Output;
+use super::{Frame, PreparedScene, Renderer};
 use crate::gpu::FloatTarget;
 use crate::{Aovs, Result};
 

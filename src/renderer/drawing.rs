@@ -63,6 +63,7 @@ pub(crate) struct Draw {
     pub(crate) batch: usize,
     pub(crate) first: i32,
     pub(crate) count: i32,
+    pub(crate) triangles: u64,
 }
 
 /// What lets parts of two surfaces share a draw.
@@ -254,7 +255,9 @@ impl Drawing {
             while !rest.is_empty() {
                 let vertices = rest.iter().map(Part::vertices);
                 let count = parts_of_next_draw(vertices, seen.wireframe);
-                self.draws.push(Draw { batch, first: first as i32, count: count as i32 });
+                let triangles = rest[..count].iter().map(Part::triangles).sum();
+                let (first_i32, count_i32) = (first as i32, count as i32);
+                self.draws.push(Draw { batch, first: first_i32, count: count_i32, triangles });
                 first += count;
                 rest = &rest[count..];
             }

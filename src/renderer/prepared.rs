@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Drawing, Frame, Output, Renderer};
+use super::programs::Output;
+use super::{Drawing, Frame, Renderer};
 use crate::gpu::Texture;
 use crate::surface::{Centering, ControlPoints};
 use crate::{FrameFigures, FreeFormSurface, Paint, Result, Scene, Surface};
@@ -50,6 +51,10 @@ impl PreparedScene {
 
     fn of(surfaces: Vec<FreeFormSurface>) -> Self {
         Self { surfaces, drawing: Drawing::default(), figures: FrameFigures::default() }
+    }
+
+    pub(super) const fn for_drawing(&mut self) -> (&mut Vec<FreeFormSurface>, &mut Drawing) {
+        (&mut self.surfaces, &mut self.drawing)
     }
 
     pub(super) fn draw_together(

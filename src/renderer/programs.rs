@@ -217,9 +217,24 @@ pub struct ProgramKey {
     pub shading: Shading,
     /// The fragment stage's trims.
     pub trims: TrimFeatures,
-    /// Numbers instead of colours ([`crate::Aovs`]).
-    pub aov: bool,
+    /// What becomes of what is drawn.
+    pub output: Output,
 }
+
+/// What becomes of what is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Output {
+    /// A colour for each pixel.
+    #[default]
+    Picture,
+    /// Numbers for each pixel ([`crate::Aovs`]).
+    Aovs,
+    /// Nothing: the corners of its triangles are kept ([`crate::DrawnVertex`]).
+    Triangles,
+}
+
+/// What is kept of the corners of triangles, in the order of [`crate::DrawnVertex`].
+const KEPT: [&str; 5] = ["gl_Position", "position", "passNormal", "passTessCoord", "passPatch"];
 
 macro_rules! glsl {
     ($($file:literal),* $(,)?) => {
@@ -332,15 +347,16 @@ impl Sources {
         };
         let mut defines = vec![("SIDE", side as u32)];
         let mut trim = "thesis/trim.glsl";
+        let aov = key.output == Output::Aovs;
         let mut pixel_normals = false;
         if let Pipeline::Exact { samples, degenerate, normals, .. } = key.pipeline {
-            defines.push(("SAMPLES", if key.aov { 1 } else { samples }));
+            defines.push(("SAMPLES", if aov { 1 } else { samples }));
             trim = "common/trim.glsl";
-            pixel_normals = normals == Normals::Pixel && (key.aov || key.shading != Shading::Unlit);
+            pixel_normals = normals == Normals::Pixel && (aov || key.shading != Shading::Unlit);
             let on = [("DEGENERATE", degenerate), ("PIXEL_NORMALS", pixel_normals)];
             defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
         }
-        if key.aov {
+        if key.output != Output::Picture {
             defines.push(("AOV", 1));
         }
         match key.shading {
@@ -352,7 +368,7 @@ impl Sources {
         defines.extend(on.map(|(name, _)| (name, 1)));
         defines.extend(key.trims.loop_columns.map(|columns| ("LOOP_COLUMNS", columns.get())));
 
-        let numbers = key.aov.then_some(&(Geometry, "common/aov.geom"));
+        let numbers = aov.then_some(&(Geometry, "common/aov.geom"));
         let stages: Vec<Stage> = files
             .iter()
             .chain(numbers)
@@ -363,21 +379,22 @@ impl Sources {
                     parts.push(self.part("exact/patch.glsl"));
                 }
                 if *kind == Fragment {
-                    if exact && (pixel_normals || !key.aov) {
+                    if exact && (pixel_normals || !aov) {
                         parts.push(self.part("common/normal.frag"));
                     }
-                    if key.shading == Shading::Phong && !key.aov {
+                    if key.shading == Shading::Phong && !aov {
                         parts.push(self.part("common/phong.glsl"));
                     }
                     if key.trims.any() {
                         parts.push(self.part(trim));
                     }
                 }
-                let aov = *kind == Fragment && key.aov;
-                parts.push(self.part(if aov { "common/aov.frag" } else { file }));
+                let numbers = *kind == Fragment && aov;
+                parts.push(self.part(if numbers { "common/aov.frag" } else { file }));
                 Stage { kind: *kind, parts }
             })
             .collect();
-        Program::new(gl, label, &defines, &stages)
+        let kept: &[&str] = if key.output == Output::Triangles { &KEPT } else { &[] };
+        Program::new(gl, label, &defines, &stages, kept)
     }
 }

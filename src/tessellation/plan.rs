@@ -60,7 +60,8 @@ impl Part {
         ((self.cells & 0xff) + 1) * ((self.cells >> 8) + 1)
     }
 
-    const fn triangles(&self) -> u64 {
+    /// Triangles that it makes, also those without area along coarser edges.
+    pub(crate) const fn triangles(&self) -> u64 {
         2 * (self.cells & 0xff) as u64 * (self.cells >> 8) as u64
     }
 }
