@@ -13,7 +13,7 @@ use glam::{DVec2, DVec4, UVec2};
 use super::TrimDecision;
 use super::raster::owns;
 use crate::camera::Projection;
-use crate::{Method, Newton, Result, Scene, Trims};
+use crate::{Method, Newton, Result, Scene, TrimGrid, Trims};
 use part::Part;
 use rows::TrimRows;
 
@@ -81,7 +81,7 @@ pub fn coverage(
 enum Cut<'a> {
     Nothing,
     Thesis(TrimDecision<'a>),
-    Exact(&'a Trims, TrimRows<'a>),
+    Exact(&'a Trims, TrimRows<'a>, TrimGrid),
 }
 
 impl<'a> Cut<'a> {
@@ -92,7 +92,7 @@ impl<'a> Cut<'a> {
         } else if method == Method::Thesis {
             Self::Thesis(TrimDecision::new(trims, newton, method)?)
         } else {
-            Self::Exact(trims, TrimRows::new(trims))
+            Self::Exact(trims, TrimRows::new(trims), TrimGrid::new(trims))
         })
     }
 
@@ -100,7 +100,7 @@ impl<'a> Cut<'a> {
         match self {
             Self::Nothing => false,
             Self::Thesis(decision) => decision.cut(uv),
-            Self::Exact(trims, rows) => trims.shapes_cut(uv) || rows.cut(uv),
+            Self::Exact(trims, rows, _) => trims.shapes_cut(uv) || rows.cut(uv),
         }
     }
 }
@@ -316,15 +316,24 @@ impl Triangle {
         }
     }
 
-    /// Whether trims cut the surface at a corner of a pixel or in the middle of one of its edges, or
-    /// as close to its centre as rounding decides.
+    /// Whether trims may cut the surface within a pixel: at a corner or in the middle of an edge, or by
+    /// something smaller, which the grid of the exact method does not rule out.
     fn is_cut_around(&self, center: DVec2, cut: &Cut<'_>) -> bool {
-        const AROUND: [f64; 5] = [-0.5, -0.02, 0.0, 0.02, 0.5];
-        AROUND
-            .iter()
-            .flat_map(|y| AROUND.iter().map(|x| DVec2::new(*x, *y)))
-            .filter(|offset| *offset != DVec2::ZERO)
-            .any(|offset| cut.cuts(self.uv(self.weights(center + offset))))
+        const AROUND: [f64; 3] = [-0.5, 0.0, 0.5];
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        for offset in AROUND.iter().flat_map(|y| AROUND.iter().map(|x| DVec2::new(*x, *y))) {
+            let uv = self.uv(self.weights(center + offset));
+            if offset != DVec2::ZERO && cut.cuts(uv) {
+                return true;
+            }
+            (low, high) = (low.min(uv), high.max(uv));
+        }
+        match cut {
+            Cut::Exact(_, _, grid) => {
+                grid.cut_throughout(low.as_vec2(), high.as_vec2()) != Some(false)
+            }
+            _ => false,
+        }
     }
 }
 

@@ -32,6 +32,8 @@ pub(crate) struct Drawing {
     lists: Vec<Lists>,
     seen: Option<Seen>,
     plan: Plan,
+    /// The parts of all lists, one list after the other, on their way to the driver.
+    staged: Vec<Part>,
     parts: Option<Buffer>,
     matrices: Option<TexelBuffer>,
     draws: Vec<Draw>,
@@ -244,13 +246,13 @@ impl Drawing {
             let room = vec![0_u8; bytes.next_power_of_two()];
             self.parts = Some(Buffer::new(gl, "parts of patches", &room)?);
         }
+        self.staged.clear();
+        self.staged.extend(self.plan.lists().iter().flatten());
+        if let Some(parts) = &self.parts {
+            parts.write(0, &self.staged);
+        }
         let mut first = 0;
         for (batch, parts) in self.plan.lists().iter().enumerate() {
-            if let Some(buffer) = &self.parts
-                && !parts.is_empty()
-            {
-                buffer.write(first, parts);
-            }
             let mut rest = parts.as_slice();
             while !rest.is_empty() {
                 let vertices = rest.iter().map(Part::vertices);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::programs::Output;
 use super::{Drawing, Frame, Renderer};
-use crate::gpu::Texture;
+use crate::gpu::{Target, Texture};
 use crate::surface::{Centering, ControlPoints};
 use crate::{FrameFigures, FreeFormSurface, Paint, Result, Scene, Surface};
 
@@ -77,6 +77,16 @@ impl PreparedScene {
     /// The surfaces, to be changed between frames.
     pub fn surfaces_mut(&mut self) -> &mut [FreeFormSurface] {
         &mut self.surfaces
+    }
+
+    /// Builds and uploads what a frame of the exact method needs in the present viewport, unless that is
+    /// there already. Drawing does this by itself; call it to choose when.
+    ///
+    /// # Errors
+    /// No memory.
+    pub fn prepare(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
+        let target = Target::bound(renderer.gl());
+        self.drawing.update(renderer.gl(), &mut self.surfaces, frame, target.size)
     }
 
     /// Clears the bound framebuffer and draws the scene into it.

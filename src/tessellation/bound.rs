@@ -101,18 +101,21 @@ pub(crate) struct Bound {
     pub(crate) rounding: f64,
     /// How many times as far the farthest control point is as the nearest that can be seen.
     pub(crate) depth_ratio: f64,
+    /// The diagonal of what may be seen of it, in pixels.
+    pub(crate) extent: f64,
 }
 
 impl<const N: usize> ClipNet<N> {
     /// Transforms the control points (x, y, z, weight) of a patch.
+    #[inline]
     pub(crate) fn new(points: &[DVec4], to_clip: &DMat4) -> Self {
         let mut net = Self { axes: [[[1.0; N]; N]; 5], rational: false };
-        let rows = [0, 1, 2, 3].map(|row| to_clip.row(row));
+        let columns = to_clip.to_cols_array_2d();
         for (row, points) in points.chunks_exact(N).enumerate().take(N) {
             for (column, p) in points.iter().enumerate() {
-                let clip = rows.map(|m| m.x * p.x + m.y * p.y + m.z * p.z + m.w);
-                for (axis, value) in net.axes.iter_mut().zip(clip) {
-                    axis[row][column] = value * p.w;
+                for axis in 0..4 {
+                    let [x, y, z, w] = [0, 1, 2, 3].map(|column| columns[column][axis]);
+                    net.axes[axis][row][column] = (x * p.x + y * p.y + (z * p.z + w)) * p.w;
                 }
                 net.axes[4][row][column] = p.w;
                 net.rational |= p.w != 1.0;
@@ -122,53 +125,43 @@ impl<const N: usize> ClipNet<N> {
     }
 
     /// The least weight, and the least clip w of the points themselves.
-    fn least(&self) -> [f64; 2] {
+    fn least_weight_and_depth(&self) -> [f64; 2] {
         let [_, _, _, w, weight] = &self.axes;
-        if !self.rational {
-            return [1.0, w.iter().flatten().copied().fold(f64::INFINITY, f64::min)];
+        let mut least = [f64::INFINITY; 2];
+        for (w, weight) in w.as_flattened().iter().zip(weight.as_flattened()) {
+            least = [least[0].min(*weight), least[1].min(w / weight)];
         }
-        w.iter()
-            .flatten()
-            .zip(weight.iter().flatten())
-            .fold([f64::INFINITY; 2], |least, (w, weight)| {
-                [least[0].min(*weight), least[1].min(w / weight)]
-            })
+        least
     }
 
     /// Whether all control points lie outside of one plane of the view's frustum: nothing is seen.
     pub(crate) fn is_outside(&self) -> bool {
-        let [x, y, z, w, _] = &self.axes;
-        let mut outside = [true; 6];
-        for row in 0..N {
-            for column in 0..N {
-                let w = w[row][column];
-                for (sides, axis) in outside.chunks_exact_mut(2).zip([x, y, z]) {
-                    sides[0] &= axis[row][column] < -w;
-                    sides[1] &= axis[row][column] > w;
-                }
+        let w = self.axes[3].as_flattened();
+        self.axes[..3].iter().any(|axis| {
+            let (mut below, mut above) = (true, true);
+            for (value, w) in axis.as_flattened().iter().zip(w) {
+                below &= *value < -w;
+                above &= *value > *w;
             }
-        }
-        outside.contains(&true)
+            below | above
+        })
     }
 
     /// Bounds the patch on a screen.
     pub(crate) fn bound(&self, screen: &Screen, rounding: &Rounding) -> Bound {
         let [x, y, _, w, _] = &self.axes;
-        let (least_w, greatest_w) = w
-            .iter()
-            .flatten()
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(*w), high.max(*w)));
-        let [least_weight, least_depth] = self.least();
+        let (mut least_w, mut greatest_w) = (f64::INFINITY, 0.0_f64);
+        for w in w.as_flattened() {
+            least_w = least(least_w, *w);
+            greatest_w = most(greatest_w, *w);
+        }
+        let [least_weight, least_depth] = if self.rational { self.least_weight_and_depth() } else { [1.0, least_w] };
         let crosses_near = least_depth < screen.near;
         let seen = if crosses_near {
             Seen::across_near(screen, screen.near * least_weight)
         } else {
-            Seen {
-                px: screen.half / least_w,
-                xi: range_over(x, w),
-                eta: range_over(y, w),
-                each_axis: false,
-            }
+            let [xi, eta] = ranges(x, y, w);
+            Seen { px: screen.half / least_w, xi, eta }
         };
         let (mut uu, mut uv, mut vv) = (0.0_f64, 0.0_f64, 0.0_f64);
         for row in 0..N {
@@ -176,7 +169,7 @@ impl<const N: usize> ClipNet<N> {
                 let bend = |a: &[[f64; N]; N]| {
                     (a[row][i] - a[row][i + 1]) - (a[row][i + 1] - a[row][i + 2])
                 };
-                uu = uu.max(seen.squared([x, y, w].map(bend)));
+                uu = most(uu, seen.squared(bend(x), bend(y), bend(w)));
             }
         }
         for i in 0..N - 2 {
@@ -184,7 +177,7 @@ impl<const N: usize> ClipNet<N> {
                 let bend = |a: &[[f64; N]; N]| {
                     (a[i][column] - a[i + 1][column]) - (a[i + 1][column] - a[i + 2][column])
                 };
-                vv = vv.max(seen.squared([x, y, w].map(bend)));
+                vv = most(vv, seen.squared(bend(x), bend(y), bend(w)));
             }
         }
         for row in 0..N - 1 {
@@ -192,7 +185,7 @@ impl<const N: usize> ClipNet<N> {
                 let twist = |a: &[[f64; N]; N]| {
                     (a[row + 1][i + 1] - a[row + 1][i]) - (a[row][i + 1] - a[row][i])
                 };
-                uv = uv.max(seen.squared([x, y, w].map(twist)));
+                uv = most(uv, seen.squared(twist(x), twist(y), twist(w)));
             }
         }
         let degree = (N - 1) as f64;
@@ -202,7 +195,8 @@ impl<const N: usize> ClipNet<N> {
         let depth_ratio = greatest_w / nearest;
         // Rasterisers interpolate what is divided by w, in `f32`.
         let extent = screen.half * DVec2::new(seen.xi[1] - seen.xi[0], seen.eta[1] - seen.eta[0]);
-        let interpolation = ROUNDING_UNIT * depth_ratio * extent.length();
+        let extent = extent.length().min(2.0 * screen.half.length());
+        let interpolation = ROUNDING_UNIT * depth_ratio * extent;
         let rounding =
             (screen.half * DVec2::new(rounding.x + rounding.w, rounding.y + rounding.w)).length();
         Bound {
@@ -213,6 +207,7 @@ impl<const N: usize> ClipNet<N> {
             },
             rounding: rounding / depth + interpolation,
             depth_ratio,
+            extent,
         }
     }
 
@@ -253,8 +248,6 @@ struct Seen {
     xi: [f64; 2],
     /// Least and greatest y/w.
     eta: [f64; 2],
-    /// Whether each axis by itself must stay within 1/√2 of the tolerance.
-    each_axis: bool,
 }
 
 impl Seen {
@@ -262,32 +255,54 @@ impl Seen {
     fn across_near(screen: &Screen, near: f64) -> Self {
         let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
         Self {
-            px: screen.half / near,
+            // Each axis by itself stays within 1/√2 of the tolerance.
+            px: screen.half * std::f64::consts::SQRT_2 / near,
             xi: [-1.0 - t.x, 1.0 + t.x],
             eta: [-1.0 - t.y, 1.0 + t.y],
-            each_axis: true,
         }
     }
 
     /// The square of a difference's size on the screen, at most.
-    fn squared(&self, [x, y, w]: [f64; 3]) -> f64 {
+    #[inline]
+    fn squared(&self, x: f64, y: f64, w: f64) -> f64 {
         let along = |value: f64, [low, high]: [f64; 2]| {
-            (value - low * w).abs().max((value - high * w).abs())
+            most((value - low * w).abs(), (value - high * w).abs())
         };
         let (x, y) = (self.px.x * along(x, self.xi), self.px.y * along(y, self.eta));
-        if self.each_axis { 2.0 * (x * x).max(y * y) } else { x * x + y * y }
+        x * x + y * y
     }
 }
 
-/// Least and greatest value over w that can be seen.
-fn range_over<const N: usize>(values: &[[f64; N]; N], w: &[[f64; N]; N]) -> [f64; 2] {
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-    for (value, w) in values.iter().flatten().zip(w.iter().flatten()) {
-        let ratio = value / w;
-        low = low.min(ratio);
-        high = high.max(ratio);
+/// The larger of two numbers, neither of which is NaN: what processors do in one step.
+#[inline]
+fn most(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller.
+#[inline]
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Least and greatest x/w and y/w that can be seen.
+fn ranges<const N: usize>(
+    x: &[[f64; N]; N],
+    y: &[[f64; N]; N],
+    w: &[[f64; N]; N],
+) -> [[f64; 2]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let points = x.as_flattened().iter().zip(y.as_flattened()).zip(w.as_flattened());
+    for ((x, y), w) in points {
+        let inverse = 1.0 / w;
+        for (axis, value) in [x * inverse, y * inverse].into_iter().enumerate() {
+            low[axis] = least(low[axis], value);
+            high[axis] = most(high[axis], value);
+        }
     }
-    [low.clamp(-1.0, 1.0), high.clamp(-1.0, 1.0)]
+    // Rounding of the inverse must not narrow them.
+    const WIDER: f64 = 1e-15;
+    [0, 1].map(|axis| [low[axis] - WIDER, high[axis] + WIDER].map(|value| value.clamp(-1.0, 1.0)))
 }
 
 /// De Casteljau's algorithm at ½: the control points of both halves.

@@ -153,7 +153,7 @@ pub(crate) struct TrimParts {
 }
 
 impl TrimParts {
-    /// More parts than 2³ a side cost small surfaces more vertices than they save.
+    /// More parts than 2³ a side save little more.
     const MOST_HALVINGS: u8 = 3;
 
     pub(crate) fn new(grid: &Arc<TrimGrid>) -> Self {
@@ -169,10 +169,12 @@ impl TrimParts {
         parts
     }
 
-    /// Into how many parts a patch of so many cells is best halved: each part keeps two cells a side.
-    pub(crate) fn halvings(&self, cells: [u8; 2]) -> [u8; 2] {
-        cells
-            .map(|cells| (u32::from(cells).max(1).ilog2() as u8).saturating_sub(1).min(self.useful))
+    /// How often a patch of such a diagonal on the screen, in pixels, is best halved along each side:
+    /// smaller parts cost more vertices than they save fragments.
+    pub(crate) fn halvings(&self, extent: f32) -> u8 {
+        const LEAST_PX: f32 = 48.0;
+        let halvings = (extent / LEAST_PX).max(1.0).log2().floor();
+        self.useful.min(halvings as u8)
     }
 
     /// What is left of each part of a patch that is halved so often along u and v, row by row.

@@ -125,6 +125,8 @@ struct State {
     cells: [u8; 2],
     /// Where its parts' cells begin if there are halvings.
     first_cell: u32,
+    /// The diagonal of what may be seen of it, in pixels.
+    extent: f32,
 }
 
 /// An edge's level and the halvings of its sides.
@@ -285,14 +287,15 @@ impl Plan {
         rounding: &Rounding,
     ) -> State {
         let bound = net.bound(screen, rounding);
+        let extent = bound.extent as f32;
         let levels = wanted_levels(&bound, screen);
         if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
             let cells = self.settle(net, &bound, screen, rounding);
-            return State { drawn: true, cells, ..State::default() };
+            return State { drawn: true, cells, extent, ..State::default() };
         }
         self.leaves.clear();
         self.halve(net, screen, rounding, Leaf { halvings: [0; 2], place: [0; 2], cells: None });
-        self.gather()
+        State { extent, ..self.gather() }
     }
 
     /// The cells that a part is drawn with: at most what OpenGL draws. Their error is noted.
@@ -369,7 +372,7 @@ impl Plan {
                 }
             }
         }
-        State { drawn: true, halvings, cells: [0; 2], first_cell: first_cell as u32 }
+        State { drawn: true, halvings, first_cell: first_cell as u32, ..State::default() }
     }
 
     fn new_cells(&mut self, halvings: [u8; 2]) -> usize {
@@ -403,19 +406,17 @@ impl Plan {
         self.cells[state.first_cell as usize + (row << state.halvings[0]) + column]
     }
 
-    /// Leaves out what the trims cut; none if that is all. A patch that they cut is drawn in parts, as
-    /// far as its level gives them.
+    /// Leaves out what the trims cut; none if that is all. A patch that they cut is drawn in parts, if it
+    /// is large enough on the screen.
     fn without_cut_parts(&mut self, state: State, trims: Option<&mut TrimParts>) -> Option<State> {
         let (mut state, Some(trims)) = (state, trims) else { return Some(state) };
         if !state.drawn {
             return None;
         }
-        if state.halvings == [0; 2] {
-            let wanted = trims.halvings(state.cells);
-            for axis in 0..2 {
-                while state.halvings[axis] < wanted[axis] {
-                    self.refine(&mut state, axis);
-                }
+        let wanted = trims.halvings(state.extent);
+        for axis in 0..2 {
+            while state.halvings[axis] < wanted {
+                self.refine(&mut state, axis);
             }
         }
         let cuts = trims.cuts(state.halvings);
@@ -611,6 +612,7 @@ fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
 }
 
 /// A patch in clip space, unless it is out of sight or faces away where that counts.
+#[inline]
 fn seen_net<const N: usize>(surface: &SurfacePatches<'_>, patch: usize) -> Option<ClipNet<N>> {
     let points = &surface.points[patch * N * N..][..N * N];
     if surface.back.is_some_and(|(eye, sign)| surface.shapes[patch].faces_away(points, eye, sign)) {

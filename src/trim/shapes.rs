@@ -178,7 +178,9 @@ fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: 
                 let index = (cell.y * lattice.size.x + cell.x) as usize;
                 let corner =
                     |i: usize| DVec2::new(f64::from(columns[column][i]), f64::from(rows[row][i]));
-                let box_of_cell = [corner(0) - MARGIN, corner(1) + MARGIN];
+                // No sample is outside of the domain.
+                let inside = |place: DVec2| place.clamp(DVec2::ZERO, DVec2::ONE);
+                let box_of_cell = [inside(corner(0) - MARGIN), inside(corner(1) + MARGIN)];
                 if shape.covers(box_of_cell) {
                     covered[index] = true;
                 } else if shape.touches(box_of_cell) {

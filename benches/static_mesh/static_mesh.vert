@@ -1,5 +1,5 @@
 // The same triangles as a tessellated patch, computed beforehand: the floor that tessellation is
-// measured against. It hands the thesis' fragment stage what its evaluation stage would.
+// measured against. It hands the fragment stage what an evaluation stage would.
 
 layout(location = 0) in vec4 vertexPosition; // model space; w holds u
 layout(location = 1) in vec4 vertexNormal;   // model space; w holds v
@@ -8,10 +8,10 @@ layout(location = 1) uniform mat4 modelMatrix;
 layout(location = 2) uniform mat4 viewMatrix;
 layout(location = 3) uniform mat4 projectionMatrix;
 
-out vec3 passNormal;
-out vec2 passTessCoord;
-out vec2 passUVCoord;
-out vec4 position;
+layout(location = 0) out vec3 passNormal;
+layout(location = 1) out vec2 passTessCoord;
+layout(location = 2) out vec4 position;
+layout(location = 4) out vec2 passUVCoord;
 
 void main()
 {

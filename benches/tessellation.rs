@@ -1,0 +1,341 @@
+//! What tessellation costs: beside static meshes of the same triangles, within a tolerance beside one
+//! level for all, and the pass over the patches that a moving camera needs; in one run and in turns,
+//! because machines are noisy.
+//!
+//! `cargo bench --bench tessellation` prints medians, ratios and the bars they should stay under; names
+//! after `--` choose sections: static, teapot, normals, moving, sight, cut, memory.
+
+mod static_mesh;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::{
+    Backend, Camera, Degree, Frame, Headless, Interval, Lens, Normals, Patch, PreparedScene,
+    Renderer, Scene, Surface, TessLevel, Tessellation, Tolerance,
+};
+use glam::{DVec3, DVec4, dvec2, dvec3};
+use static_mesh::StaticMesh;
+
+const SIDE: u32 = 1024;
+const TURNS: usize = 15;
+/// The exact method's fragment stage.
+const FRAGMENT: [(&str, &str); 3] = [
+    ("normal.frag", include_str!("../glsl/common/normal.frag")),
+    ("phong.glsl", include_str!("../glsl/common/phong.glsl")),
+    ("surface.frag", include_str!("../glsl/exact/surface.frag")),
+];
+/// Triangles of the largest static mesh.
+const MOST_TRIANGLES: usize = 2_000_000;
+
+/// The normal, crossed v first as in the thesis.
+fn exact_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
+    -patch.normal(u, v).unwrap_or(DVec3::Y)
+}
+
+fn level(level: u32) -> Tessellation {
+    Tessellation::Level(TessLevel::new(level.into()).expect("a level of the bench"))
+}
+
+fn within(pixels: f64) -> Tessellation {
+    Tessellation::Within(Tolerance::new(pixels).expect("a tolerance of the bench"))
+}
+
+/// A field of so many patches like that of listing 16, seen from above.
+fn field(patches: usize) -> Scene {
+    let mut scene = Scene::listing16();
+    let single = scene.surfaces.remove(0);
+    let side = (patches as f64).sqrt().ceil() as usize;
+    let points: Vec<DVec4> = (0..patches)
+        .flat_map(|patch| {
+            let (x, z) = ((patch % side) as f64, (patch / side) as f64);
+            single.control_points().iter().map(move |p| *p + DVec4::new(x, 0.0, -z, 0.0))
+        })
+        .collect();
+    let mut surface = Surface::new(Degree::Cubic, points).expect("whole patches");
+    surface.paint = single.paint;
+    scene.surfaces.push(surface);
+    scene
+}
+
+fn median(mut times: Vec<Duration>) -> f64 {
+    times.sort_unstable();
+    times[times.len() / 2].as_secs_f64() * 1e3
+}
+
+/// Medians of several frames in turns, in milliseconds.
+fn in_turns(frames: &mut [&mut dyn FnMut()]) -> Vec<f64> {
+    for frame in frames.iter_mut() {
+        frame();
+    }
+    let mut times = vec![Vec::new(); frames.len()];
+    for _ in 0..TURNS {
+        for (frame, times) in frames.iter_mut().zip(&mut times) {
+            let start = Instant::now();
+            frame();
+            times.push(start.elapsed());
+        }
+    }
+    times.into_iter().map(median).collect()
+}
+
+fn line(what: &str, value: f64, bar: &str) {
+    println!("{what:66} {value:10.3}   {bar}");
+}
+
+/// A scene in the driver's memory that is drawn again and again.
+struct Drawn<'a> {
+    gl: &'a Arc<glow::Context>,
+    renderer: Renderer,
+    prepared: PreparedScene,
+    frame: Frame,
+}
+
+impl<'a> Drawn<'a> {
+    fn new(gl: &'a Arc<glow::Context>, scene: &Scene, (width, height): (u32, u32)) -> Self {
+        let renderer = Renderer::new(gl).expect("a renderer");
+        let prepared = PreparedScene::new(&renderer, scene).expect("it fits");
+        let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
+        Self { gl, renderer, prepared, frame }
+    }
+
+    fn draw(&mut self) {
+        self.prepared.draw(&mut self.renderer, &self.frame).expect("it draws");
+        gpu::finish(self.gl);
+    }
+
+    fn triangles(&mut self) -> u64 {
+        self.draw();
+        self.prepared.figures().triangles
+    }
+}
+
+fn main() {
+    let context = Headless::new(Backend::Auto).expect("an OpenGL context");
+    let gl = context.gl();
+    println!("{}, {}\n", context.info().renderer, context.info().version);
+    let asked: Vec<String> = std::env::args().skip(1).filter(|name| name != "--bench").collect();
+    let sections: [(&str, fn(&Arc<glow::Context>)); 7] = [
+        ("static", static_meshes),
+        ("teapot", teapot),
+        ("normals", normals),
+        ("moving", moving),
+        ("sight", out_of_sight),
+        ("cut", cut_away),
+        ("memory", memory),
+    ];
+    for (name, section) in sections {
+        if asked.is_empty() || asked.iter().any(|asked| asked == name) {
+            section(gl);
+        }
+    }
+}
+
+/// One level for all patches against a static mesh of the same triangles.
+fn static_meshes(gl: &Arc<glow::Context>) {
+    let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
+    for patches in [1, 64, 1024, 10_000] {
+        for cells in [1, 4, 8, 16, 32, 64] {
+            if 2 * patches * (cells * cells) as usize > MOST_TRIANGLES {
+                continue;
+            }
+            let mut scene = field(patches);
+            scene.settings.tessellation = level(cells);
+            target.bind();
+            let mut ours = Drawn::new(gl, &scene, (SIDE, SIDE));
+            let mesh = StaticMesh::new(
+                gl,
+                &scene,
+                exact_normal,
+                &[("PHONG", 1), ("SAMPLES", 1)],
+                &FRAGMENT,
+            );
+            let frame = ours.frame;
+            let still = Renderer::new(gl).expect("a renderer");
+            let ms = in_turns(&mut [&mut || ours.draw(), &mut || {
+                mesh.draw(&still, &scene, &frame);
+                gpu::finish(gl);
+            }]);
+            let bar = if cells >= 8 { "≤ 1.3" } else { "≤ 1.8" };
+            let what =
+                format!("{patches} patches at level {cells} ({:.2} ms) / static mesh", ms[0]);
+            line(&what, ms[0] / ms[1], bar);
+        }
+    }
+}
+
+/// The teapot, the whole of it in the picture.
+fn teapot_scene() -> Scene {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut scene =
+        Scene::load(&root.join("resources/surfaces/teapot.bpt")).expect("the teapot's file");
+    let points = scene.surfaces.iter().flat_map(Surface::world_points);
+    let (low, high) = points
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let fov_y_radians = 45_f64.to_radians();
+    let away = 0.5 * low.distance(high) / (0.5 * fov_y_radians).sin();
+    let middle = low.midpoint(high);
+    let eye = middle + dvec3(0.4, -1.0, 0.85).normalize() * away;
+    let lens = Lens::Perspective { fov_y_radians };
+    scene.camera = Some(Camera::new(eye, middle, DVec3::Z, lens).expect("a camera"));
+    scene
+}
+
+/// Levels by tolerance against the level that is enough everywhere.
+fn teapot(gl: &Arc<glow::Context>) {
+    println!();
+    let size = (1920, 1080);
+    let target = Framebuffer::new(gl, size.0, size.1).expect("a picture of the bench");
+    target.bind();
+    let mut scene = teapot_scene();
+    scene.settings.tessellation = within(0.5);
+    let mut adaptive = Drawn::new(gl, &scene, size);
+    let triangles = adaptive.triangles();
+    // The least level whose bound is within the tolerance, as the adaptive levels' is.
+    let enough = (1..=64).find(|cells| {
+        scene.settings.tessellation = level(*cells);
+        let mut drawn = Drawn::new(gl, &scene, size);
+        drawn.draw();
+        drawn.prepared.figures().largest_bound.is_some_and(|bound| bound <= 0.5)
+    });
+    let enough = enough.unwrap_or(64);
+    scene.settings.tessellation = level(enough);
+    let mut uniform = Drawn::new(gl, &scene, size);
+    let ms = in_turns(&mut [&mut || adaptive.draw(), &mut || uniform.draw()]);
+    line("teapot at 0.5 px, 1920×1080: triangles", triangles as f64, "≤ 45,000");
+    line(
+        &format!("  level that is enough everywhere: {enough}, triangles"),
+        uniform.triangles() as f64,
+        "",
+    );
+    line("  ms at 0.5 px", ms[0], "");
+    line("  0.5 px / that level", ms[0] / ms[1], "≤ 0.6");
+}
+
+/// Normals at pixels against normals at vertices.
+fn normals(gl: &Arc<glow::Context>) {
+    println!();
+    let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
+    target.bind();
+    for (name, mut scene) in [("teapot", teapot_scene()), ("listing 16", field(1))] {
+        let mut vertex = Drawn::new(gl, &scene, (SIDE, SIDE));
+        scene.settings.normals = Normals::Pixel;
+        let mut pixel = Drawn::new(gl, &scene, (SIDE, SIDE));
+        let ms = in_turns(&mut [&mut || vertex.draw(), &mut || pixel.draw()]);
+        line(
+            &format!("{name}: normals at pixels / at vertices"),
+            ms[1] / ms[0],
+            "default if < 1.15",
+        );
+    }
+}
+
+/// The pass over all patches when the camera moves.
+fn moving(gl: &Arc<glow::Context>) {
+    println!();
+    let target = Framebuffer::new(gl, 64, 64).expect("a picture of the bench");
+    target.bind();
+    for patches in [100, 1_000, 10_000, 100_000] {
+        let mut scene = field(patches);
+        scene.settings.tessellation = within(0.5);
+        let mut drawn = Drawn::new(gl, &scene, (64, 64));
+        // Alone, without drawing: two views in turns, so that each is new.
+        let views = [drawn.frame, {
+            let mut other = drawn.frame;
+            other.projection.view =
+                glam::DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.projection.view;
+            other
+        }];
+        let mut turn = 0;
+        let ms = in_turns(&mut [&mut || {
+            turn += 1;
+            drawn.prepared.prepare(&drawn.renderer, &views[turn % 2]).expect("it fits");
+        }]);
+        let bar = if patches == 10_000 { "≤ 3" } else { "" };
+        line(&format!("{patches} patches, a new view: level, cull and batch pass, ms"), ms[0], bar);
+    }
+}
+
+/// Patches that are not seen.
+fn out_of_sight(gl: &Arc<glow::Context>) {
+    println!();
+    let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
+    target.bind();
+    let mut all = field(10_000);
+    all.settings.tessellation = within(0.5);
+    // From above, over a corner of 22 × 22 of the 100 × 100 patches.
+    let middle = dvec3(10.5, 1.0, -10.5);
+    let lens = Lens::Orthographic { height: 21.9 };
+    let camera = Camera::new(middle + DVec3::Y, middle, -DVec3::Z, lens).expect("a camera");
+    all.camera = Some(camera);
+    let mut few = all.clone();
+    let is_seen = |(i, _): &(usize, &[DVec4])| i % 100 < 22 && i / 100 < 22;
+    let patches = all.surfaces[0].control_points().chunks(16).enumerate().filter(is_seen);
+    let points = patches.flat_map(|(_, points)| points.to_vec()).collect();
+    let mut surface = Surface::new(Degree::Cubic, points).expect("whole patches");
+    surface.paint = all.surfaces[0].paint.clone();
+    surface.transform = all.surfaces[0].transform;
+    few.surfaces = vec![surface];
+    let [mut whole, mut seen] = [&all, &few].map(|scene| Drawn::new(gl, scene, (SIDE, SIDE)));
+    // Every frame is a new view.
+    let step = |drawn: &mut Drawn<'_>| {
+        drawn.frame.projection.view.w_axis.x += 1e-6;
+        drawn.draw();
+    };
+    let ms = in_turns(&mut [&mut || step(&mut whole), &mut || step(&mut seen)]);
+    let culled = whole.prepared.figures().culled;
+    line(
+        &format!("10,000 patches, {culled} out of sight / the others alone"),
+        ms[0] / ms[1],
+        "≤ 1.3",
+    );
+}
+
+/// A patch that trims leave a tenth of.
+fn cut_away(gl: &Arc<glow::Context>) {
+    println!();
+    let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
+    target.bind();
+    let mut scene = field(1);
+    let camera = Camera::new(
+        dvec3(0.0, 3.0, 0.0),
+        dvec3(0.0, 1.0, 0.0),
+        -DVec3::Z,
+        Lens::Orthographic { height: 1.0 },
+    );
+    scene.camera = Some(camera.expect("a camera"));
+    scene.settings.tessellation = within(0.5);
+    let mut whole = Drawn::new(gl, &scene, (SIDE, SIDE));
+    let trim = Interval::new(dvec2(0.0, 1.0), dvec2(0.1, 1.0)).expect("an interval");
+    scene.surfaces[0].trims.intervals.push(trim);
+    let mut cut = Drawn::new(gl, &scene, (SIDE, SIDE));
+    let ms = in_turns(&mut [&mut || cut.draw(), &mut || whole.draw()]);
+    line("a patch with 90 % cut away / the same uncut", ms[0] / ms[1], "≤ 0.5");
+}
+
+/// What the process grows by for each patch.
+fn memory(gl: &Arc<glow::Context>) {
+    println!();
+    let resident = || {
+        let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+        let pages = statm.split_whitespace().nth(1).and_then(|pages| pages.parse::<f64>().ok());
+        pages.unwrap_or(f64::NAN) * 4096.0
+    };
+    let target = Framebuffer::new(gl, 64, 64).expect("a picture of the bench");
+    target.bind();
+    let draw = |patches: usize| {
+        let mut scene = field(patches);
+        scene.settings.tessellation = within(0.5);
+        let mut drawn = Drawn::new(gl, &scene, (64, 64));
+        drawn.draw();
+        (scene, drawn)
+    };
+    // Programs and what drivers keep for themselves are there already.
+    let first = draw(100);
+    let before = resident();
+    let many = draw(100_000);
+    let bytes = (resident() - before) / 1e5;
+    drop((first, many));
+    line("100,000 patches: bytes a patch, with the scene and the driver's copy", bytes, "≤ 1,200");
+}
