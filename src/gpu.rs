@@ -26,6 +26,7 @@ pub use texel_buffer::TexelBuffer;
 pub use texture::Texture;
 pub use vertex_array::VertexArray;
 
+use crate::tessellation::DrawSize;
 use crate::{Error, Result};
 
 /// What the driver is and how much it can do, as far as the program relies on it.
@@ -91,6 +92,13 @@ pub(crate) fn check_version(gl: &glow::Context) -> Result<()> {
         )));
     }
     Ok(())
+}
+
+/// How large draws of parts the driver likes.
+pub(crate) fn draw_size(gl: &glow::Context) -> DrawSize {
+    // SAFETY: the context is current (see the module).
+    let renderer = unsafe { gl.get_parameter_string(glow::RENDERER) };
+    if renderer.contains("llvmpipe") { DrawSize::Small } else { DrawSize::Large }
 }
 
 /// What is drawn into.

@@ -26,8 +26,8 @@ pub use triangles::DrawnVertex;
 use triangles::Feedback;
 
 use crate::camera::Projection;
-use crate::gpu::{Program, Target, VertexArray, check_version};
-use crate::tessellation::Parts;
+use crate::gpu::{Program, Target, VertexArray, check_version, draw_size};
+use crate::tessellation::{DrawSize, Parts};
 use crate::{FrameFigures, FreeFormSurface, Method, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
@@ -59,6 +59,7 @@ pub struct Renderer {
     programs: HashMap<ProgramKey, Program>,
     points_array: VertexArray,
     parts_array: VertexArray,
+    draw_size: DrawSize,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -88,6 +89,7 @@ impl Renderer {
             programs: HashMap::new(),
             points_array: VertexArray::of_points(gl)?,
             parts_array: VertexArray::of_parts(gl)?,
+            draw_size: draw_size(gl),
         })
     }
 
@@ -95,6 +97,11 @@ impl Renderer {
     #[must_use]
     pub const fn gl(&self) -> &Arc<glow::Context> {
         &self.gl
+    }
+
+    /// How large draws of parts the driver likes.
+    pub(crate) const fn draw_size(&self) -> DrawSize {
+        self.draw_size
     }
 
     /// Fills the bound framebuffer with the background and the farthest depth.
@@ -147,7 +154,7 @@ impl Renderer {
             Method::Thesis => self.draw_ported(surfaces, frame, output),
             Method::Exact => {
                 let target = Target::bound(&self.gl);
-                drawing.update(&self.gl, surfaces, frame, target.size)?;
+                drawing.update(&self.gl, surfaces, frame, target.size, self.draw_size)?;
                 self.draw_exact(surfaces, drawing, frame, &target, output, None)?;
                 Ok(drawing.figures())
             }

@@ -12,7 +12,7 @@ mod shape;
 
 pub(crate) use bound::{Rounding, Screen};
 pub(crate) use edges::{EdgeSource, EdgeTable};
-pub(crate) use parts::{FixedParts, Parts, TrimParts, parts_of_next_draw};
+pub(crate) use parts::{DrawSize, FixedParts, Parts, TrimParts, parts_of_next_draw};
 pub use plan::FrameFigures;
 pub(crate) use plan::{Lists, Part, Plan, SurfacePatches};
 pub(crate) use shape::{Eye, Shape};

@@ -13,8 +13,8 @@ use crate::camera::Projection;
 use crate::gpu::{Buffer, TexelBuffer};
 use crate::surface::{FreeFormSurface, Revision};
 use crate::tessellation::{
-    EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen, SurfacePatches,
-    parts_of_next_draw,
+    DrawSize, EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen,
+    SurfacePatches, parts_of_next_draw,
 };
 use crate::{Cull, Degree, Result, Shading, Tessellation};
 
@@ -45,7 +45,6 @@ struct Seen {
     projection: Projection,
     size: UVec2,
     tessellation: Tessellation,
-    wireframe: bool,
 }
 
 /// What parts of several patches have in common.
@@ -89,16 +88,13 @@ impl Drawing {
         surfaces: &mut [FreeFormSurface],
         frame: &Frame,
         size: UVec2,
+        draw_size: DrawSize,
     ) -> Result<()> {
         for surface in &mut *surfaces {
             surface.upload_trims(gl, &frame.settings)?;
         }
-        let seen = Seen {
-            projection: frame.projection,
-            size,
-            tessellation: frame.settings.tessellation,
-            wireframe: frame.settings.wireframe,
-        };
+        let seen =
+            Seen { projection: frame.projection, size, tessellation: frame.settings.tessellation };
         let same = self.note_revisions(surfaces);
         if same && self.seen == Some(seen) {
             return Ok(());
@@ -106,7 +102,7 @@ impl Drawing {
         // Only a whole update counts.
         self.seen = None;
         self.plan(surfaces, &seen);
-        self.upload(gl, surfaces, &seen)?;
+        self.upload(gl, surfaces, &seen, draw_size)?;
         self.seen = Some(seen);
         Ok(())
     }
@@ -235,6 +231,7 @@ impl Drawing {
         gl: &Arc<glow::Context>,
         surfaces: &[FreeFormSurface],
         seen: &Seen,
+        draw_size: DrawSize,
     ) -> Result<()> {
         self.draws.clear();
         let count: usize = self.plan.lists().iter().map(Vec::len).sum();
@@ -256,7 +253,7 @@ impl Drawing {
             let mut rest = parts.as_slice();
             while !rest.is_empty() {
                 let vertices = rest.iter().map(Part::vertices);
-                let count = parts_of_next_draw(vertices, seen.wireframe);
+                let count = parts_of_next_draw(vertices, draw_size);
                 let triangles = rest[..count].iter().map(Part::triangles).sum();
                 let (first_i32, count_i32) = (first as i32, count as i32);
                 self.draws.push(Draw { batch, first: first_i32, count: count_i32, triangles });

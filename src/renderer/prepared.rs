@@ -86,7 +86,8 @@ impl PreparedScene {
     /// No memory.
     pub fn prepare(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
         let target = Target::bound(renderer.gl());
-        self.drawing.update(renderer.gl(), &mut self.surfaces, frame, target.size)
+        let (gl, size) = (renderer.gl(), renderer.draw_size());
+        self.drawing.update(gl, &mut self.surfaces, frame, target.size, size)
     }
 
     /// Clears the bound framebuffer and draws the scene into it.

@@ -45,7 +45,7 @@ impl PreparedScene {
         let target = Target::bound(renderer.gl());
         let gl = Arc::clone(renderer.gl());
         let (surfaces, drawing) = self.for_drawing();
-        drawing.update(&gl, surfaces, &frame, target.size)?;
+        drawing.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
         let output = Output::Triangles;
         renderer.draw_exact(surfaces, drawing, &frame, &target, output, Some(&mut kept))?;
         Ok(kept)

@@ -155,7 +155,8 @@ impl<const N: usize> ClipNet<N> {
             least_w = least(least_w, *w);
             greatest_w = most(greatest_w, *w);
         }
-        let [least_weight, least_depth] = if self.rational { self.least_weight_and_depth() } else { [1.0, least_w] };
+        let [least_weight, least_depth] =
+            if self.rational { self.least_weight_and_depth() } else { [1.0, least_w] };
         let crosses_near = least_depth < screen.near;
         let seen = if crosses_near {
             Seen::across_near(screen, screen.near * least_weight)

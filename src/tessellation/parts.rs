@@ -197,9 +197,22 @@ fn patches_per_draw(level: u32, wireframe: bool) -> usize {
     (most / ((level + 1) * (level + 1))).max(1) as usize
 }
 
+/// How many vertices one draw of parts should make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum DrawSize {
+    /// As few as cost little: Mesa's software driver gathers them patch by patch in memory that it
+    /// enlarges for each, and asks the system for more from 128 KiB on.
+    Small,
+    /// As many as 16 bits count on every driver, and more.
+    Large,
+}
+
 /// How many of the parts that come first make one draw, by their vertices.
-pub(crate) fn parts_of_next_draw(vertices: impl Iterator<Item = u32>, wireframe: bool) -> usize {
-    let most = if wireframe { VERTICES_PER_DRAW_OF_LINES } else { VERTICES_PER_DRAW };
+pub(crate) fn parts_of_next_draw(vertices: impl Iterator<Item = u32>, size: DrawSize) -> usize {
+    let most = match size {
+        DrawSize::Small => 800,
+        DrawSize::Large => 32_000,
+    };
     let mut sum = 0;
     let fitting = vertices.take_while(|vertices| {
         sum += vertices;
