@@ -1,19 +1,14 @@
-// Fetches the control points of a patch and the matrices of its surface, and cuts a part of it into
-// cells. SIDE is 4 or 5: control points along a side.
+// Fetches the control points of a patch, and cuts a part of it into cells. SIDE is 4 or 5: control points along a side.
 
 layout(vertices = SIDE * SIDE) out;
 
 layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred and scaled
-layout(binding = 4) uniform samplerBuffer surfaces;      // 12 columns of matrices for each
 
 flat in uvec4 placeOfVertex[];
 flat in uvec4 cutOfVertex[];
 
 patch out uvec4 placeOfPatch;
 patch out uvec4 cutOfPatch;
-patch out mat4 toClip;
-patch out mat4 toView;
-patch out mat3 normalToView;
 #ifdef DEGENERATE
 patch out vec2 longest; // tangents along u and v, at most
 
@@ -34,13 +29,6 @@ void main()
         uvec4 cut = cutOfVertex[0];
         placeOfPatch = place;
         cutOfPatch = cut;
-        int matrices = int(place.z) * 12;
-        for (int column = 0; column < 4; ++column) {
-            toClip[column] = texelFetch(surfaces, matrices + column);
-            toView[column] = texelFetch(surfaces, matrices + 4 + column);
-        }
-        for (int column = 0; column < 3; ++column)
-            normalToView[column] = texelFetch(surfaces, matrices + 8 + column).xyz;
 #ifdef DEGENERATE
         longest = vec2(0.0);
         for (int line = 0; line < SIDE; ++line)

@@ -7,11 +7,10 @@
 
 layout(quads, equal_spacing, ccw) in;
 
+layout(binding = 4) uniform samplerBuffer surfaces; // 12 columns of matrices for each
+
 patch in uvec4 placeOfPatch;
 patch in uvec4 cutOfPatch;
-patch in mat4 toClip;
-patch in mat4 toView;
-patch in mat3 normalToView;
 #ifdef DEGENERATE
 patch in vec2 longest;
 #endif
@@ -55,8 +54,19 @@ int levelsAlong(float tessCoord, float across, int cells, int lowEdge, int highE
     return tessCoord == 0.0 || tessCoord == 1.0 ? 1 : levels;
 }
 
+// A matrix of the patch's surface: its columns from this one on. (Fetched here: as outputs of the
+// control stage they cost Mesa's software driver half of a small patch's time.)
+mat4 matrix(int column)
+{
+    int first = int(placeOfPatch.z) * 12 + column;
+    return mat4(texelFetch(surfaces, first), texelFetch(surfaces, first + 1),
+        texelFetch(surfaces, first + 2), texelFetch(surfaces, first + 3));
+}
+
 void main()
 {
+    mat4 toClip = matrix(0), toView = matrix(4);
+    mat3 normalToView = mat3(matrix(8));
     ivec4 edges = ivec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
     ivec2 cells = ivec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
     ivec2 parts = ivec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);

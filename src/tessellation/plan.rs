@@ -6,7 +6,7 @@
 //! middle of the side, as its diagonals point. Both sides then have the same vertices, and no
 //! triangle reaches further than before (`glsl/exact/surface.tese`).
 //!
-//! A patch that needs more than 32 cells a side is drawn in 2ⁱ × 2ʲ parts, each bounded by itself;
+//! A patch that needs more than 16 cells a side is drawn in 2ⁱ × 2ʲ parts, each bounded by itself;
 //! levels of its edges are multiples of 2ⁱ and 2ʲ.
 
 use bytemuck::{Pod, Zeroable};
@@ -20,7 +20,7 @@ use crate::{Degree, TessLevel};
 
 /// Cells a side from which on a patch is drawn in parts: more parts leave less to draw of what is
 /// seen only in part, fewer cost less.
-const MOST_WHOLE: f64 = 32.0;
+const MOST_WHOLE: f64 = 16.0;
 /// The most cells along a part that OpenGL draws.
 const MOST_CELLS: u32 = 64;
 /// A patch has at most 2⁷ parts along a side.
