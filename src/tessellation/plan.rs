@@ -18,8 +18,9 @@ use super::parts::{FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
 use crate::{Degree, TessLevel};
 
-/// Cells a side from which on a patch is drawn in parts: more parts leave less to draw of what is
-/// seen only in part, fewer cost less.
+/// Cells a side beyond which a patch is drawn in parts. Parts have bounds of their own, and what is not
+/// seen of them is not drawn; very small ones cost more than they save. The teapot at 0.5 px has 34,562
+/// triangles with 32 here, 27,492 with 16 and 27,158 with 12.
 const MOST_WHOLE: f64 = 16.0;
 /// The most cells along a part that OpenGL draws.
 const MOST_CELLS: u32 = 64;
