@@ -28,10 +28,11 @@ pub enum Cover {
     Background,
     /// No surface at the centre, but at another within 1.5 pixels.
     Beside,
-    /// A surface at the centre; at another centre within 1.5 pixels there is none, or trims cut the
-    /// surface within this pixel, as tested at its corners and the middles of its edges.
+    /// A surface at the centre; at another centre within 1.5 pixels there is none, or trims cut one there
+    /// or may cut within this pixel.
     Border,
-    /// A surface at every pixel's centre within 1.5 pixels, and trims do not cut it within this one.
+    /// A surface at every pixel's centre within 1.5 pixels, where trims cut none, and trims do not cut it
+    /// within this pixel.
     Inside,
 }
 
@@ -125,6 +126,8 @@ struct Spot {
     covered: bool,
     /// Whether trims do not cut the surface within the pixel.
     whole: bool,
+    /// Whether trims cut any surface at the centre, one in front or behind.
+    cut: bool,
     /// A part that comes closer to the centre than the tolerance and does not cover it; parts count
     /// from 1.
     beside: u32,
@@ -216,7 +219,8 @@ impl Canvas {
         for y in low.y as usize..high.y as usize {
             for x in low.x as usize..high.x as usize {
                 let spot = &mut self.spots[y * self.size.x as usize + x];
-                if !spot.covered {
+                let may_be_cut = !spot.cut && !matches!(cut, Cut::Nothing);
+                if !spot.covered || may_be_cut {
                     triangle.meet(
                         spot,
                         DVec2::new(x as f64 + 0.5, y as f64 + 0.5),
@@ -235,11 +239,11 @@ impl Canvas {
                 let (x, y) = (i % width, i / width);
                 let mut around = (y.saturating_sub(1)..(y + 2).min(height))
                     .flat_map(|y| (x.saturating_sub(1)..(x + 2).min(width)).map(move |x| (x, y)))
-                    .map(|(x, y)| self.spots[y * width + x].covered);
+                    .map(|(x, y)| &self.spots[y * width + x]);
                 let spot = &self.spots[i];
                 if !spot.covered {
-                    if around.any(|covered| covered) { Cover::Beside } else { Cover::Background }
-                } else if spot.whole && around.all(|covered| covered) {
+                    if around.any(|spot| spot.covered) { Cover::Beside } else { Cover::Background }
+                } else if spot.whole && around.all(|spot| spot.covered && !spot.cut) {
                     Cover::Inside
                 } else {
                     Cover::Border
@@ -305,7 +309,14 @@ impl Triangle {
         }
         let depth: f64 =
             (0..3).map(|i| weights[i] * self.corners[i].clip.z / self.corners[i].clip.w).sum();
-        if !(-1.0..1.0).contains(&depth) || cut.cuts(self.uv(weights)) {
+        if !(-1.0..1.0).contains(&depth) {
+            return;
+        }
+        if cut.cuts(self.uv(weights)) {
+            spot.cut = true;
+            return;
+        }
+        if spot.covered {
             return;
         }
         if covers || spot.beside != 0 {
