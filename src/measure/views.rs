@@ -167,7 +167,9 @@ mod tests {
                     assert!(to_middle.normalize().distance(direction) < 1e-9, "{index}");
                 }
                 1 => {
-                    let within = eye.cmpge(dvec3(0.0, 0.0, 1.0)) & eye.cmple(dvec3(3.0, 4.0, 1.0));
+                    let grown = DVec3::splat(0.25);
+                    let within = eye.cmpge(dvec3(0.0, 0.0, 1.0) - grown)
+                        & eye.cmple(dvec3(3.0, 4.0, 1.0) + grown);
                     assert!(within.all(), "{index}: {eye}");
                 }
                 2 => assert!(on_square && (0.05..=0.5).contains(&distance), "{index}"),
