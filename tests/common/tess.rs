@@ -1,6 +1,8 @@
 //! What the tests of the tessellation share: frames that are measured, and patches by chance.
 
 use freeform_surface::gpu::{FloatTarget, Framebuffer};
+use freeform_surface::measure::{Measurement, measure};
+use freeform_surface::reference::coverage;
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{
     Aovs, Degree, DrawnVertex, Frame, Image, Method, Normals, PreparedScene, Projection,
@@ -61,6 +63,19 @@ impl Stage {
     pub fn triangles(&mut self, prepared: &mut PreparedScene, frame: &Frame) -> Vec<DrawnVertex> {
         self.target.bind();
         prepared.triangles(&mut self.renderer, frame).unwrap()
+    }
+
+    /// How far a frame is off.
+    pub fn measured(
+        &mut self,
+        scene: &Scene,
+        prepared: &mut PreparedScene,
+        frame: &Frame,
+    ) -> Measurement {
+        let aovs = self.aovs(prepared, frame);
+        let method = frame.settings.method;
+        let reference = coverage(scene, &frame.projection, self.size, method).unwrap();
+        measure(scene, &frame.projection, &aovs, &reference)
     }
 
     pub fn picture(&mut self, prepared: &mut PreparedScene, frame: &Frame) -> Image {
