@@ -3,52 +3,13 @@
 
 mod common;
 
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
+use std::process::Command;
 
-use tempfile::TempDir;
-
-const SCENE: &str = "surface = [{ control_points = \"default\" }]";
-
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
-        let path = self.path(name);
-        std::fs::write(&path, bytes).unwrap();
-        path
-    }
-
-    /// Runs the program in this folder.
-    fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_freeform"))
-            .args(arguments)
-            .current_dir(self.0.path())
-            .env_remove("RUST_LOG")
-            .env_remove("CARGO")
-            .output()
-            .unwrap()
-    }
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
+use common::program::{Folder, SCENE, resource, text};
 
 fn size(path: &Path) -> (u32, u32) {
     image::image_dimensions(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-}
-
-fn resource(name: &str) -> String {
-    format!("{}/resources/{name}", env!("CARGO_MANIFEST_DIR"))
 }
 
 #[test]
@@ -202,7 +163,7 @@ fn refused(folder: &Folder, arguments: &[&str], status: i32, words: &[&str]) {
     assert!(said.starts_with("freeform: "), "{said}");
     assert!(!said.contains("panicked"), "{said}");
     assert_eq!(std::fs::read(old).unwrap(), b"an older picture");
-    let parts = std::fs::read_dir(folder.0.path())
+    let parts = std::fs::read_dir(folder.root())
         .unwrap()
         .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".part"));
     assert_eq!(parts.count(), 0);
@@ -443,7 +404,7 @@ fn without_a_driver_one_line_names_the_packages() {
     // EGL without any vendor's library finds no device.
     let output = Command::new(env!("CARGO_BIN_EXE_freeform"))
         .args(["info", "--backend", "egl"])
-        .env("__EGL_VENDOR_LIBRARY_DIRS", folder.0.path())
+        .env("__EGL_VENDOR_LIBRARY_DIRS", folder.root())
         .env_remove("__EGL_VENDOR_LIBRARY_FILENAMES")
         .output()
         .unwrap();

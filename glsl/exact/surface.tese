@@ -38,9 +38,10 @@ vec4 controlPoint(int index)
 vec2 along(float tessCoord, int cells, int levels, int part, int parts)
 {
     int i = int(round(tessCoord * float(cells)));
-    int fromEnd = cells - i;
-    int level = i <= fromEnd ? (i * levels + cells - 1) / cells
-                             : levels - (fromEnd * levels + cells - 1) / cells;
+    int fromEnd = cells - i, nearer = min(i, fromEnd);
+    // Neither half reaches beyond the middle, or places would change their order there.
+    int level = min((nearer * levels + cells - 1) / cells, levels / 2);
+    level = i < fromEnd ? level : i > fromEnd ? levels - level : (levels + 1) / 2;
     int at = part * levels + level, all = parts * levels;
     precise vec2 place = vec2(float(at), float(all - at)) / float(all);
     return place;

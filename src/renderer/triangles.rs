@@ -9,7 +9,7 @@ use glow::HasContext;
 use super::programs::Output;
 use super::{Frame, PreparedScene, Renderer};
 use crate::gpu::{Buffer, Target};
-use crate::{Method, Result};
+use crate::{Method, Normals, Result};
 
 /// A corner of a triangle that the exact method draws.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -41,6 +41,8 @@ impl PreparedScene {
         let mut frame = *frame;
         frame.settings.method = Method::Exact;
         frame.settings.wireframe = false;
+        // Those of pixels are none of the triangles'.
+        frame.settings.normals = Normals::Vertex;
         let mut kept = Vec::new();
         let target = Target::bound(renderer.gl());
         let gl = Arc::clone(renderer.gl());

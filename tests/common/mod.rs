@@ -2,6 +2,9 @@
 #![allow(dead_code, unreachable_pub, reason = "every test file is a crate that uses a part of it")]
 
 pub mod oracle;
+#[cfg(feature = "cli")]
+pub mod program;
+pub mod tess;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
