@@ -296,12 +296,17 @@ impl Renderer {
                 self.parts_array.bind(parts);
             }
             last = Some(draw.batch);
-            let feedback = kept.as_deref_mut().map(|_| Feedback::begin(&self.gl, draw.triangles));
+            let feedback = match kept {
+                Some(_) => Some(
+                    Feedback::begin(&self.gl, draw.triangles).inspect_err(|_| self.release())?,
+                ),
+                None => None,
+            };
             // SAFETY: the context is current (see the type); the range lies within the buffer, whose
             // bytes fit an i32 since it was made.
             unsafe { self.gl.draw_arrays(glow::PATCHES, draw.first, draw.count) }
             if let (Some(feedback), Some(kept)) = (feedback, kept.as_deref_mut()) {
-                feedback?.end(kept);
+                feedback.end(kept);
             }
         }
         self.release();

@@ -232,7 +232,6 @@ fn wrong_tolerances_and_aovs_are_status_2() {
 }
 
 #[test]
-#[ignore = "the second scene's numbers take the place of the first's, without a word"]
 fn aovs_of_several_scenes_are_refused() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);

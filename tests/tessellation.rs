@@ -330,7 +330,7 @@ fn draws_of_many_patches_are_few_and_whole() {
         // A patch of n × m cells has somewhat more than n · m vertices, half as many as triangles.
         let (draws, vertices) = (figures.draws as u64, figures.triangles / 2);
         assert!(vertices > 300_000 && draws * 65_535 > vertices, "{figures:?}");
-        assert!(draws <= 1 + vertices / 5_000, "{figures:?}");
+        assert!(draws <= 1 + vertices / 400, "{figures:?}");
     }
 }
 

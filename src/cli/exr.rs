@@ -7,7 +7,7 @@ use freeform_surface::{AovKind, Aovs, Error, Result};
 use image::codecs::openexr::OpenExrEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
 
-use super::output::replace;
+use super::output::{Output, replace};
 
 /// One AOV and its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,6 +37,31 @@ impl std::str::FromStr for AovFile {
 }
 
 impl AovFile {
+    /// Refuses what would leave one file where several were asked for.
+    ///
+    /// # Errors
+    /// Several scenes, two AOVs with one file.
+    pub(super) fn check(files: &[Self], scenes: usize) -> Result<()> {
+        if scenes > 1 && !files.is_empty() {
+            return Err(Error::invalid("--aov", format!("given for {scenes} scenes"), "one scene"));
+        }
+        for (i, file) in files.iter().enumerate() {
+            if files[..i].iter().any(|other| other.path == file.path) {
+                let name = format!("{} for two AOVs", file.path.display());
+                return Err(Error::invalid("--aov", name, "a file for each"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses to write over a file that a scene was read from.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub(super) fn check_keeps(&self, sources: &[PathBuf]) -> Result<()> {
+        Output::File(self.path.clone()).check_keeps(sources)
+    }
+
     /// Writes its AOV with the channels R, G, B and A.
     ///
     /// # Errors

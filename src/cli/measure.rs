@@ -24,7 +24,7 @@ const FRAMES: usize = 3;
 pub(super) fn all(arguments: &MeasureArguments) -> Result<(), Vec<Error>> {
     let mut bench = Bench::new(arguments).map_err(|error| vec![error])?;
     let bar = if arguments.views > 1 {
-        ProgressBar::new(arguments.views * arguments.scenes.len() as u64)
+        ProgressBar::new(arguments.views.saturating_mul(arguments.scenes.len() as u64))
     } else {
         ProgressBar::hidden()
     };
@@ -108,6 +108,13 @@ impl<'a> Bench<'a> {
             report.measurement = report.measurement.merge(&measurement);
             report.triangles += triangles;
             report.ms += ms;
+        }
+        if met_views == 0 {
+            // Nothing is known of what every view counts apart.
+            let none = f64::NAN;
+            report.measurement.max_error_px = none;
+            report.measurement.mean_error_px = none;
+            report.measurement.normal_error_deg = none;
         }
         report.triangles /= met_views.max(1);
         report.ms /= met_views.max(1) as f64;
@@ -198,6 +205,8 @@ struct Object<'a> {
     triangles: u64,
     ms: f64,
     unmet_views: u64,
+    covered_pixels: usize,
+    bad_values: usize,
 }
 
 impl Report {
@@ -252,6 +261,8 @@ impl Report {
             triangles: self.triangles,
             ms: self.ms,
             unmet_views: self.unmet_views,
+            covered_pixels: errors.covered,
+            bad_values: errors.bad_values,
         })
         .expect("strings and numbers")
     }
@@ -286,7 +297,7 @@ mod tests {
     fn the_object_has_its_keys_in_order() {
         let expected = r#"{"scene":"a \"b\"\n.toml","method":"thesis","level":16,"#.to_owned()
             + r#""max_error_px":0.4375,"mean_error_px":0.0625,"normal_error_deg":1.5,"#
-            + r#""silhouette_pixels":7,"crack_pixels":2,"triangles":1024,"ms":2.25,"unmet_views":0}"#;
+            + r#""silhouette_pixels":7,"crack_pixels":2,"triangles":1024,"ms":2.25,"unmet_views":0,"covered_pixels":1000,"bad_values":0}"#;
         assert_eq!(report().json(), expected);
         let report =
             Report { method: Method::Exact, fineness: Fineness::Tolerance(0.5), ..report() };

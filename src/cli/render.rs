@@ -19,6 +19,7 @@ use super::{RenderArguments, say};
 /// # Errors
 /// One for each scene that failed; the others are written all the same.
 pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(), Vec<Error>> {
+    AovFile::check(&arguments.aov, arguments.scenes.len()).map_err(|error| vec![error])?;
     let mut job = Job::new(arguments.backend, arguments.resolution).map_err(|error| vec![error])?;
     job.verbose = arguments.verbose;
     let scenes: Vec<_> =
@@ -43,6 +44,7 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
         let done = loaded.and_then(|loaded| {
             output.check_keeps(&sources)?;
             job.load = loaded.time;
+            arguments.aov.iter().try_for_each(|file| file.check_keeps(&sources))?;
             job.render(&loaded.scene, output, &bar)?;
             job.write_aovs(&loaded.scene, &arguments.aov)
         });
@@ -164,6 +166,11 @@ impl Job {
         let target = FloatTarget::for_aovs(&self.renderer, (width, height))?;
         let aovs =
             PreparedScene::new(&self.renderer, scene)?.aovs(&mut self.renderer, &target, &frame)?;
+        let complaints = self.context.debug_log().take_errors();
+        if !complaints.is_empty() {
+            let what = format!("numbers for {width}x{height} pixels");
+            return Err(Error::Driver { what, reason: complaints.join("; ") });
+        }
         files.iter().try_for_each(|file| file.write(&aovs))
     }
 

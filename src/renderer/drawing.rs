@@ -195,7 +195,10 @@ impl Drawing {
                     DMat3::from_mat4(model).determinant().signum(),
                 )
             });
-            let rounding = Rounding::new(&(to_clip * surface.points_to_world()), 1.0);
+            let rounding = Rounding::new(
+                &(to_clip * surface.points_to_world()),
+                surface.uploaded_points().extent(),
+            );
             let first_point = surface.uploaded_points().first() as u32;
             let degree = surface.degree();
             let (points, shapes, trims) = surface.for_plan();
@@ -274,7 +277,7 @@ impl Drawing {
 }
 
 /// Surfaces with one transform may have edges in common, if their control points were centred alike.
-fn edge_sources(surfaces: &[FreeFormSurface]) -> Vec<EdgeSource<'_>> {
+pub(super) fn edge_sources(surfaces: &[FreeFormSurface]) -> Vec<EdgeSource<'_>> {
     let mut groups: HashMap<[u64; 16], u32> = HashMap::new();
     surfaces
         .iter()
@@ -301,7 +304,7 @@ fn eye_in_model(projection: &Projection, model: &DMat4) -> Eye {
     }
 }
 
-/// The matrices of a surface in the order of `exact/surface.tesc`.
+/// The matrices of a surface in the order of `exact/surface.tese`.
 fn matrices(surface: &FreeFormSurface, projection: &Projection) -> [Vec4; MATRIX_TEXELS] {
     let to_view = projection.view * surface.points_to_world();
     let to_clip = projection.projection * to_view;

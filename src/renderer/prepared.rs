@@ -7,6 +7,7 @@ use super::programs::Output;
 use super::{Drawing, Frame, Renderer};
 use crate::gpu::{Target, Texture};
 use crate::surface::{Centering, ControlPoints};
+use crate::tessellation::{EdgeSource, EdgeTable};
 use crate::{FrameFigures, FreeFormSurface, Paint, Result, Scene, Surface};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
@@ -107,21 +108,32 @@ impl PreparedScene {
     }
 }
 
-/// How each surface's control points are centred: those with one transform alike, so that what they have
-/// in common stays the same bit for bit.
+/// How each surface's control points are centred: each by itself, but those that share edges alike, so
+/// that what they have in common stays the same bit for bit.
 fn centerings(scene: &Scene) -> Vec<Centering> {
-    let key = |surface: &Surface| surface.transform.to_cols_array().map(f64::to_bits);
-    let mut groups: HashMap<[u64; 16], Vec<&Surface>> = HashMap::new();
-    for surface in &scene.surfaces {
-        groups.entry(key(surface)).or_default().push(surface);
-    }
-    let centered: HashMap<[u64; 16], Centering> = groups
-        .into_iter()
-        .map(|(key, group)| {
-            (key, Centering::of(group.into_iter().flat_map(Surface::control_points)))
+    let mut transforms: HashMap<[u64; 16], u32> = HashMap::new();
+    let sources: Vec<EdgeSource<'_>> = scene
+        .surfaces
+        .iter()
+        .map(|surface| {
+            let next = transforms.len() as u32;
+            let bits = surface.transform.to_cols_array().map(f64::to_bits);
+            let group = *transforms.entry(bits).or_insert(next);
+            EdgeSource { degree: surface.degree(), points: surface.control_points(), group }
         })
         .collect();
-    scene.surfaces.iter().map(|surface| centered[&key(surface)]).collect()
+    let groups = EdgeTable::new(&sources).connected(&sources);
+    let mut members: HashMap<usize, Vec<&Surface>> = HashMap::new();
+    for (surface, group) in scene.surfaces.iter().zip(&groups) {
+        members.entry(*group).or_default().push(surface);
+    }
+    let centered: HashMap<usize, Centering> = members
+        .into_iter()
+        .map(|(group, surfaces)| {
+            (group, Centering::of(surfaces.into_iter().flat_map(Surface::control_points)))
+        })
+        .collect();
+    groups.iter().map(|group| centered[group]).collect()
 }
 
 /// Whether two paints can share a texture: one colour, or one picture in memory.

@@ -48,6 +48,8 @@ pub(crate) struct ControlPoints {
     buffer: Arc<TexelBuffer>,
     first: usize,
     centering: Centering,
+    /// The largest coordinate after centring and scaling: 1, or more since points were moved.
+    extent: f64,
 }
 
 impl ControlPoints {
@@ -64,7 +66,8 @@ impl ControlPoints {
         let buffer = Arc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
         let mut first = 0;
         let place = |(points, centering): &(&[DVec4], Centering)| {
-            let place = Self { buffer: Arc::clone(&buffer), first, centering: *centering };
+            let place =
+                Self { buffer: Arc::clone(&buffer), first, centering: *centering, extent: 1.0 };
             first += points.len();
             place
         };
@@ -72,13 +75,21 @@ impl ControlPoints {
     }
 
     /// Overwrites one point.
-    pub(crate) fn write(&self, index: usize, point: DVec4) {
+    pub(crate) fn write(&mut self, index: usize, point: DVec4) {
+        let Centering { center, scale } = self.centering;
+        let far = ((point.truncate() - center) / scale).abs().max_element();
+        self.extent = self.extent.max(far);
         self.buffer.buffer().write(self.first + index, &[self.centering.apply(point)]);
     }
 
     /// The number of the first in the buffer.
     pub(crate) const fn first(&self) -> usize {
         self.first
+    }
+
+    /// The largest coordinate that the driver has or had of them.
+    pub(crate) const fn extent(&self) -> f64 {
+        self.extent
     }
 
     pub(crate) const fn centering(&self) -> Centering {

@@ -103,6 +103,17 @@ pub(crate) struct Bound {
     pub(crate) depth_ratio: f64,
     /// The diagonal of what may be seen of it, in pixels.
     pub(crate) extent: f64,
+    /// Whether it reaches before the near plane. Then the bound holds up to the tolerance alone.
+    crosses_near: bool,
+}
+
+impl Bound {
+    /// The largest distance in pixels between the patch and what is drawn of it with so many cells along
+    /// u and v; infinite where nothing can be said.
+    pub(crate) fn error(&self, cells: [f64; 2], screen: &Screen) -> f64 {
+        let error = self.curvature.error(cells) + self.rounding;
+        if self.crosses_near && error > screen.tolerance() { f64::INFINITY } else { error }
+    }
 }
 
 impl<const N: usize> ClipNet<N> {
@@ -209,6 +220,7 @@ impl<const N: usize> ClipNet<N> {
             rounding: rounding / depth + interpolation,
             depth_ratio,
             extent,
+            crosses_near,
         }
     }
 

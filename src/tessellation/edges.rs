@@ -83,6 +83,33 @@ impl EdgeTable {
         self.edges[place as usize / SIDES][place as usize % SIDES]
     }
 
+    /// For each source the first of those that it hangs together with by edges in common.
+    pub(crate) fn connected(&self, sources: &[EdgeSource<'_>]) -> Vec<usize> {
+        let mut first: Vec<usize> = (0..sources.len()).collect();
+        fn root(first: &mut [usize], mut source: usize) -> usize {
+            while first[source] != source {
+                first[source] = first[first[source]];
+                source = first[source];
+            }
+            source
+        }
+        let mut owner = vec![usize::MAX; self.count];
+        let mut patch = 0;
+        for (number, source) in sources.iter().enumerate() {
+            for _ in 0..source.points.len() / source.degree.points() {
+                for edge in self.of(patch) {
+                    if owner[edge] == usize::MAX {
+                        owner[edge] = number;
+                    }
+                    let (a, b) = (root(&mut first, owner[edge]), root(&mut first, number));
+                    first[a.max(b)] = a.min(b);
+                }
+                patch += 1;
+            }
+        }
+        (0..sources.len()).map(|source| root(&mut first, source)).collect()
+    }
+
     /// How many different edges there are.
     pub(crate) const fn count(&self) -> usize {
         self.count

@@ -4,35 +4,27 @@
 //! of them whatever way a driver stitches edges to insides. An edge has one level, the larger need of
 //! its two sides; a side whose grid is finer moves its vertices to the edge's places, towards the
 //! middle of the side, as its diagonals point. Both sides then have the same vertices, and no
-//! triangle reaches further than before (`glsl/exact/surface.tese`).
+//! triangle reaches further than a level of the edge (`glsl/exact/surface.tese`). That much is taken of
+//! the driver: equal levels make a regular grid whose diagonals point to the middle, as Direct3D asks for
+//! and Mesa does; OpenGL leaves it open.
 //!
 //! A patch that needs more than 16 cells a side is drawn in 2ⁱ × 2ʲ parts, each bounded by itself;
 //! levels of its edges are multiples of 2ⁱ and 2ʲ.
 
+mod halving;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec4};
 
-use super::bound::{Bound, ClipNet, Rounding, Screen};
+use super::bound::{ClipNet, Rounding, Screen};
 use super::edges::{EdgeTable, SIDES};
 use super::parts::{FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
 use crate::{Degree, TessLevel};
+use halving::{Leaf, raise};
 
-/// Cells a side beyond which a patch is drawn in parts. Parts have bounds of their own, and what is not
-/// seen of them is not drawn; very small ones cost more than they save. The teapot at 0.5 px has 34,562
-/// triangles with 32 here, 27,492 with 16 and 27,158 with 12.
-const MOST_WHOLE: f64 = 16.0;
 /// The most cells along a part that OpenGL draws.
 const MOST_CELLS: u32 = 64;
-/// A patch has at most 2⁷ parts along a side.
-const MOST_HALVINGS: u8 = 7;
-/// How often a part is halved further to tell its error.
-const DEEPER: u32 = 6;
-/// Rasterisers move vertices to 1/256 of a pixel.
-const SUBPIXEL: f64 = 0.003;
-/// What the tessellator's fixed-point places can add, as a share of the tolerance.
-const SHARE: f64 = 0.99;
-
 /// One part of a patch as the vertex stage reads it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -108,8 +100,8 @@ pub struct FrameFigures {
     pub triangles: u64,
     /// Draw calls.
     pub draws: usize,
-    /// How far a point on the screen can be from the surface at most, in pixels; the thesis' method
-    /// does not know.
+    /// How far a point on the screen can be from the surface at most, in pixels; infinite if a patch
+    /// reaches behind the eye and has too few triangles for any bound. The thesis' method does not know.
     pub largest_bound: Option<f64>,
     /// The same if it is above the tolerance because a limit was reached: of 2¹³ cells a side, or of
     /// what 32-bit floats can tell apart.
@@ -142,15 +134,6 @@ impl Edge {
     const fn rounded(self) -> u32 {
         self.level.next_multiple_of(1 << self.halvings)
     }
-}
-
-/// A part of a patch while it is being halved.
-#[derive(Debug, Clone, Copy)]
-struct Leaf {
-    halvings: [u8; 2],
-    place: [u32; 2],
-    /// None if it is not seen.
-    cells: Option<[u8; 2]>,
 }
 
 /// The pass with its memory, which is kept from frame to frame.
@@ -217,8 +200,7 @@ impl Plan {
                 continue;
             };
             let bound = net.bound(screen, &surface.rounding);
-            let error = bound.curvature.error([level; 2]) + bound.rounding;
-            raise(&mut self.figures.largest_bound, error);
+            raise(&mut self.figures.largest_bound, bound.error([level; 2], screen));
             let cells = [fixed.parts.level; 2];
             let degenerate = usize::from(surface.shapes[patch].may_degenerate());
             for (list, places) in [
@@ -278,125 +260,6 @@ impl Plan {
                 self.ask(state, table.of(number));
             }
         }
-    }
-
-    /// How finely a patch that is seen must be cut.
-    fn decide<const N: usize>(
-        &mut self,
-        net: &ClipNet<N>,
-        screen: &Screen,
-        rounding: &Rounding,
-    ) -> State {
-        let bound = net.bound(screen, rounding);
-        let extent = bound.extent as f32;
-        let levels = wanted_levels(&bound, screen);
-        if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
-            let cells = self.settle(net, &bound, screen, rounding);
-            return State { drawn: true, cells, extent, ..State::default() };
-        }
-        self.leaves.clear();
-        self.halve(net, screen, rounding, Leaf { halvings: [0; 2], place: [0; 2], cells: None });
-        State { extent, ..self.gather() }
-    }
-
-    /// The cells that a part is drawn with: at most what OpenGL draws. Their error is noted.
-    fn settle<const N: usize>(
-        &mut self,
-        net: &ClipNet<N>,
-        bound: &Bound,
-        screen: &Screen,
-        rounding: &Rounding,
-    ) -> [u8; 2] {
-        let cells = wanted_levels(bound, screen).map(|level| level.min(MOST_CELLS.into()));
-        let error = left_over(net, bound, cells, screen, rounding, DEEPER);
-        raise(&mut self.figures.largest_bound, error);
-        if error > screen.tolerance() {
-            raise(&mut self.figures.unmet, error);
-        }
-        cells.map(|cells| cells as u8)
-    }
-
-    /// Halves a part until it needs few cells or is not seen.
-    fn halve<const N: usize>(
-        &mut self,
-        net: &ClipNet<N>,
-        screen: &Screen,
-        rounding: &Rounding,
-        part: Leaf,
-    ) {
-        if net.is_outside() {
-            self.leaves.push(part);
-            return;
-        }
-        let bound = net.bound(screen, rounding);
-        let levels = wanted_levels(&bound, screen);
-        let too_deep = is_too_deep(&bound, screen);
-        let needs = [0, 1].map(|axis| {
-            (levels[axis] > MOST_WHOLE || too_deep) && part.halvings[axis] < MOST_HALVINGS
-        });
-        let axis = match needs {
-            [false, false] => {
-                let cells = self.settle(net, &bound, screen, rounding);
-                self.leaves.push(Leaf { cells: Some(cells), ..part });
-                return;
-            }
-            // The longer one, or in turns.
-            [true, true] => {
-                usize::from((levels[1], part.halvings[0]) > (levels[0], part.halvings[1]))
-            }
-            [along_u, _] => usize::from(!along_u),
-        };
-        let halves = if axis == 0 { net.halves_along_u() } else { net.halves_along_v() };
-        for (i, half) in (0..).zip(&halves) {
-            let mut part = part;
-            part.halvings[axis] += 1;
-            part.place[axis] = 2 * part.place[axis] + i;
-            self.halve(half, screen, rounding, part);
-        }
-    }
-
-    /// Spreads the leaves over a grid of parts that all have the size of the smallest.
-    fn gather(&mut self) -> State {
-        let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
-        let most = |axis: usize| seen().map(|leaf| leaf.halvings[axis]).max();
-        let (Some(along_u), Some(along_v)) = (most(0), most(1)) else { return State::default() };
-        let halvings = [along_u, along_v];
-        let first_cell = self.new_cells(halvings);
-        for leaf in &self.leaves {
-            let Some(cells) = leaf.cells else { continue };
-            let more = [0, 1].map(|axis| halvings[axis] - leaf.halvings[axis]);
-            let cells = [0, 1].map(|axis| u32::from(cells[axis]).div_ceil(1 << more[axis]) as u8);
-            for v in leaf.place[1] << more[1]..(leaf.place[1] + 1) << more[1] {
-                for u in leaf.place[0] << more[0]..(leaf.place[0] + 1) << more[0] {
-                    let place = first_cell + ((v << along_u) + u) as usize;
-                    self.cells[place] = cells;
-                }
-            }
-        }
-        State { drawn: true, halvings, first_cell: first_cell as u32, ..State::default() }
-    }
-
-    fn new_cells(&mut self, halvings: [u8; 2]) -> usize {
-        let first = self.cells.len();
-        self.cells.resize(first + (1 << (halvings[0] + halvings[1])), [0; 2]);
-        first
-    }
-
-    /// Halves the parts of a patch along one axis; levels are halved with them.
-    fn refine(&mut self, state: &mut State, axis: usize) {
-        let old = *state;
-        state.halvings[axis] += 1;
-        let first = self.new_cells(state.halvings);
-        let columns = 1 << state.halvings[0];
-        for i in 0..1_usize << (state.halvings[0] + state.halvings[1]) {
-            let mut place = [i % columns, i / columns];
-            place[axis] /= 2;
-            let mut cells = self.cells_of(&old, place);
-            cells[axis] = cells[axis].div_ceil(2);
-            self.cells[first + i] = cells;
-        }
-        state.first_cell = first as u32;
-        state.cells = [0; 2];
     }
 
     /// Cells of the part in a column and row.
@@ -565,51 +428,6 @@ impl Plan {
 /// The axis that a side runs along: sides u = 0 and u = 1 run along v.
 const fn axis_of(side: usize) -> usize {
     1 - side % 2
-}
-
-/// Keeps the larger number.
-fn raise(most: &mut Option<f64>, value: f64) {
-    *most = Some(most.map_or(value, |most| most.max(value)));
-}
-
-/// The levels that a part needs.
-fn wanted_levels(bound: &Bound, screen: &Screen) -> [f64; 2] {
-    let tolerance = screen.tolerance();
-    // Where rounding leaves little, more triangles do not help.
-    let left = SHARE * tolerance - SUBPIXEL - bound.rounding;
-    bound.curvature.levels(left.max(0.1 * tolerance))
-}
-
-/// How far a part of so many cells can be from the surface at most. Where its bound is above the
-/// tolerance, smaller parts may tell better: much of it may be out of sight.
-fn left_over<const N: usize>(
-    net: &ClipNet<N>,
-    bound: &Bound,
-    cells: [f64; 2],
-    screen: &Screen,
-    rounding: &Rounding,
-    deeper: u32,
-) -> f64 {
-    let error = bound.curvature.error(cells) + bound.rounding;
-    if error <= screen.tolerance() || deeper == 0 {
-        return error;
-    }
-    let halves = net.halves_along_u();
-    let quarters = halves.iter().flat_map(ClipNet::halves_along_v);
-    quarters
-        .filter(|quarter| !quarter.is_outside())
-        .map(|quarter| {
-            let bound = quarter.bound(screen, rounding);
-            let cells = cells.map(|cells| 0.5 * cells);
-            left_over(&quarter, &bound, cells, screen, rounding, deeper - 1)
-        })
-        .fold(0.0, f64::max)
-}
-
-/// Whether a part reaches so far into the depth that rounding would move what is seen of its near end;
-/// smaller parts help.
-fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
-    bound.rounding > 0.1 * screen.tolerance() && bound.depth_ratio > 2.0
 }
 
 /// A patch in clip space, unless it is out of sight or faces away where that counts.
