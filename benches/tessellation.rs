@@ -42,6 +42,9 @@ fn within(pixels: f64) -> Tessellation {
     Tessellation::Within(Tolerance::new(pixels).expect("a tolerance of the bench"))
 }
 
+/// Measures something and prints it.
+type Section = fn(&Arc<glow::Context>);
+
 /// A field of so many patches like that of listing 16, seen from above.
 fn field(patches: usize) -> Scene {
     let mut scene = Scene::listing16();
@@ -116,7 +119,7 @@ fn main() {
     let gl = context.gl();
     println!("{}, {}\n", context.info().renderer, context.info().version);
     let asked: Vec<String> = std::env::args().skip(1).filter(|name| name != "--bench").collect();
-    let sections: [(&str, fn(&Arc<glow::Context>)); 7] = [
+    let sections: [(&str, Section); 7] = [
         ("static", static_meshes),
         ("teapot", teapot),
         ("normals", normals),

@@ -41,6 +41,9 @@ pub struct FreeFormSurface {
     drawing: Option<Box<Drawing>>,
 }
 
+/// Points that were moved beyond so many times their box cost digits of the others.
+const FAR: f64 = 3.0;
+
 /// Tells states of surfaces apart: no two have the same numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Revision {
@@ -157,7 +160,8 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU.
+    /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU, unless it goes
+    /// further from the surface's old box than that is wide: then all points do, centred anew.
     ///
     /// # Errors
     /// An index out of range, a point that is not finite; the surface stays as it was.
@@ -173,6 +177,9 @@ impl FreeFormSurface {
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
         self.surface.set_control_point(point, index)?;
         self.control_points.write(index, point);
+        if self.control_points.extent() > FAR {
+            self.control_points.recenter(self.surface.control_points());
+        }
         let degree = self.surface.degree();
         let patch = index / degree.points();
         let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];

@@ -87,6 +87,14 @@ impl ControlPoints {
         self.first
     }
 
+    /// Centres the surface's points again and overwrites them all.
+    pub(crate) fn recenter(&mut self, points: &[DVec4]) {
+        self.centering = Centering::of(points.iter());
+        self.extent = 1.0;
+        let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();
+        self.buffer.buffer().write(self.first, &values);
+    }
+
     /// The largest coordinate that the driver has or had of them.
     pub(crate) const fn extent(&self) -> f64 {
         self.extent

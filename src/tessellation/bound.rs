@@ -121,12 +121,11 @@ impl<const N: usize> ClipNet<N> {
     #[inline]
     pub(crate) fn new(points: &[DVec4], to_clip: &DMat4) -> Self {
         let mut net = Self { axes: [[[1.0; N]; N]; 5], rational: false };
-        let columns = to_clip.to_cols_array_2d();
+        let rows = [0, 1, 2, 3].map(|row| to_clip.row(row));
         for (row, points) in points.chunks_exact(N).enumerate().take(N) {
             for (column, p) in points.iter().enumerate() {
-                for axis in 0..4 {
-                    let [x, y, z, w] = [0, 1, 2, 3].map(|column| columns[column][axis]);
-                    net.axes[axis][row][column] = (x * p.x + y * p.y + (z * p.z + w)) * p.w;
+                for (axis, m) in net.axes.iter_mut().zip(&rows) {
+                    axis[row][column] = (m.x * p.x + m.y * p.y + (m.z * p.z + m.w)) * p.w;
                 }
                 net.axes[4][row][column] = p.w;
                 net.rational |= p.w != 1.0;
@@ -321,11 +320,11 @@ fn ranges<const N: usize>(
 /// De Casteljau's algorithm at ½: the control points of both halves.
 fn halved<const N: usize>(line: &[f64; N]) -> [[f64; N]; 2] {
     let (mut low, mut high) = (*line, *line);
-    for step in 1..N {
+    for (step, low) in low.iter_mut().enumerate().skip(1) {
         for i in 0..N - step {
             high[i] = 0.5 * (high[i] + high[i + 1]);
         }
-        low[step] = high[0];
+        *low = high[0];
     }
     [low, high]
 }

@@ -136,6 +136,15 @@ impl Edge {
     }
 }
 
+/// How a part is cut: parts of its patch along u and v, its column and row, its cells and the levels of
+/// its edges.
+struct Grid {
+    sides: [u32; 2],
+    place: [u32; 2],
+    cells: [u32; 2],
+    edges: [u32; SIDES],
+}
+
 /// The pass with its memory, which is kept from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
@@ -209,7 +218,7 @@ impl Plan {
             ] {
                 for place in places {
                     let edges = [fixed.parts.level; SIDES];
-                    self.push(surface, patch, list, sides, *place, cells, edges);
+                    self.push(surface, patch, list, Grid { sides, place: *place, cells, edges });
                 }
             }
             self.figures.culled += usize::from(fixed.kept.is_empty() && fixed.trimmed.is_empty());
@@ -394,22 +403,14 @@ impl Plan {
                     surface.lists.kept[degenerate]
                 };
                 let place = [column as u32, row as u32];
-                self.push(surface, patch, list, sides, place, cells, edges);
+                self.push(surface, patch, list, Grid { sides, place, cells, edges });
             }
         }
         surface.trims = trims;
     }
 
-    fn push(
-        &mut self,
-        surface: &SurfacePatches<'_>,
-        patch: usize,
-        list: u32,
-        sides: [u32; 2],
-        place: [u32; 2],
-        cells: [u32; 2],
-        edges: [u32; SIDES],
-    ) {
+    fn push(&mut self, surface: &SurfacePatches<'_>, patch: usize, list: u32, grid: Grid) {
+        let Grid { sides, place, cells, edges } = grid;
         let part = Part {
             first_point: surface.first_point + (patch * surface.degree.points()) as u32,
             patch: surface.first_patch + patch as u32,
