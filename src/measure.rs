@@ -9,8 +9,8 @@ mod views;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
-use crate::reference::{Cover, Coverage};
-use crate::{Aovs, Patch, Projection, Scene, Surface};
+use crate::reference::{Cover, Coverage, has_gap_near};
+use crate::{Aovs, Patch, Projection, Scene, Surface, Tessellation};
 
 pub use views::random_view;
 
@@ -35,8 +35,8 @@ pub struct Measurement {
     pub normal_error_deg: f64,
     /// Pixels that are drawn and should not be, or the other way round.
     pub silhouette_pixels: usize,
-    /// Pixels that are not drawn although they are [`Cover::Inside`]: some of
-    /// [`Measurement::silhouette_pixels`].
+    /// Pixels that are not drawn although they are [`Cover::Inside`] and the surface has no gap, however
+    /// narrow, within 1.5 pixels or the scene's tolerance: some of [`Measurement::silhouette_pixels`].
     pub crack_pixels: usize,
     /// NaN and infinite numbers in all AOVs, and patches that do not exist.
     pub bad_values: usize,
@@ -93,7 +93,10 @@ pub fn measure(
         let drawn = uv[3] != 0.0;
         all.expected += usize::from(cover.covered());
         all.silhouette_pixels += usize::from(drawn != cover.covered());
-        all.crack_pixels += usize::from(!drawn && *cover == Cover::Inside);
+        let pixel = [i as u32 % aovs.size.0, i as u32 / aovs.size.0];
+        all.crack_pixels += usize::from(
+            !drawn && *cover == Cover::Inside && !shows_a_gap(scene, projection, aovs.size, pixel),
+        );
         if !drawn {
             continue;
         }
@@ -115,6 +118,16 @@ pub fn measure(
     }
     all.mean_error_px = total_px / all.covered.max(1) as f64;
     all
+}
+
+/// Whether the surface itself has a gap that a pixel may show: within the scene's tolerance.
+fn shows_a_gap(scene: &Scene, projection: &Projection, size: (u32, u32), pixel: [u32; 2]) -> bool {
+    let settings = &scene.settings;
+    let radius_px = match settings.tessellation {
+        Tessellation::Within(tolerance) => tolerance.pixels().max(1.5),
+        Tessellation::Level(_) => 1.5,
+    };
+    has_gap_near(scene, projection, size.into(), pixel, radius_px, settings.method).unwrap_or(false)
 }
 
 fn count_bad(aovs: &Aovs) -> usize {

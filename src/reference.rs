@@ -26,7 +26,7 @@ use crate::{
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
-pub use coverage::{Cover, Coverage, coverage};
+pub use coverage::{Cover, Coverage, coverage, has_gap_near};
 pub use thesis::thesis_normal;
 
 /// What a pixel shows.

@@ -41,9 +41,6 @@ pub struct FreeFormSurface {
     drawing: Option<Box<Drawing>>,
 }
 
-/// Points that were moved beyond so many times their box cost digits of the others.
-const FAR: f64 = 3.0;
-
 /// Tells states of surfaces apart: no two have the same numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Revision {
@@ -160,8 +157,9 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU, unless it goes
-    /// further from the surface's old box than that is wide: then all points do, centred anew.
+    /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU; all of
+    /// the surface's, centred anew, if it goes far out of their box, or if as many points were moved as
+    /// there are.
     ///
     /// # Errors
     /// An index out of range, a point that is not finite; the surface stays as it was.
@@ -177,8 +175,9 @@ impl FreeFormSurface {
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
         self.surface.set_control_point(point, index)?;
         self.control_points.write(index, point);
-        if self.control_points.extent() > FAR {
-            self.control_points.recenter(self.surface.control_points());
+        let points = self.surface.control_points();
+        if self.control_points.are_off_center(points.len()) {
+            self.control_points.recenter(points);
         }
         let degree = self.surface.degree();
         let patch = index / degree.points();

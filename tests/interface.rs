@@ -232,8 +232,8 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
 
     let unlinked = Sources::default().with_edit(
         "thesis/surface.frag",
-        "in vec3 passNormal;",
-        "in vec3 missing;\n#define passNormal missing",
+        "layout(location = 0) in vec3 passNormal;",
+        "layout(location = 9) in vec3 missing;\n#define passNormal missing",
     );
     let key = ProgramKey { trims: TrimFeatures::default(), ..key };
     let Err(Error::Shader { what, log }) = unlinked.link(context.gl(), key) else {

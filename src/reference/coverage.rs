@@ -8,7 +8,7 @@
 mod part;
 mod rows;
 
-use glam::{DVec2, DVec4, UVec2};
+use glam::{DMat4, DVec2, DVec4, UVec2};
 
 use super::TrimDecision;
 use super::raster::owns;
@@ -76,6 +76,29 @@ pub fn coverage(
         }
     }
     Ok(canvas.into_coverage())
+}
+
+/// Whether a scene leaves a gap within so many pixels of a pixel's centre, also one that is narrower than
+/// a pixel: a window around it is looked at closely.
+///
+/// # Errors
+/// As [`coverage`].
+pub fn has_gap_near(
+    scene: &Scene,
+    projection: &Projection,
+    size: UVec2,
+    [x, y]: [u32; 2],
+    radius_px: f64,
+    method: Method,
+) -> Result<bool> {
+    const SIDE: u32 = 512;
+    let center = (UVec2::new(x, y).as_dvec2() + 0.5) / size.as_dvec2() * 2.0 - 1.0;
+    let zoom = size.as_dvec2() * (0.5 / radius_px);
+    let mut window = DMat4::from_scale(zoom.extend(1.0));
+    window.w_axis = DVec4::new(-center.x * zoom.x, center.y * zoom.y, 0.0, 1.0);
+    let seen = Projection { projection: window * projection.projection, ..*projection };
+    let shown = coverage(scene, &seen, UVec2::splat(SIDE), method)?;
+    Ok(shown.pixels.iter().any(|cover| !cover.covered()))
 }
 
 /// Trims, fast enough to be asked at every pixel.

@@ -50,6 +50,8 @@ pub(crate) struct ControlPoints {
     centering: Centering,
     /// The largest coordinate after centring and scaling: 1, or more since points were moved.
     extent: f64,
+    /// How many points were moved since they were centred.
+    moved: usize,
 }
 
 impl ControlPoints {
@@ -66,8 +68,13 @@ impl ControlPoints {
         let buffer = Arc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
         let mut first = 0;
         let place = |(points, centering): &(&[DVec4], Centering)| {
-            let place =
-                Self { buffer: Arc::clone(&buffer), first, centering: *centering, extent: 1.0 };
+            let place = Self {
+                buffer: Arc::clone(&buffer),
+                first,
+                centering: *centering,
+                extent: 1.0,
+                moved: 0,
+            };
             first += points.len();
             place
         };
@@ -79,6 +86,7 @@ impl ControlPoints {
         let Centering { center, scale } = self.centering;
         let far = ((point.truncate() - center) / scale).abs().max_element();
         self.extent = self.extent.max(far);
+        self.moved += 1;
         self.buffer.buffer().write(self.first + index, &[self.centering.apply(point)]);
     }
 
@@ -87,10 +95,18 @@ impl ControlPoints {
         self.first
     }
 
+    /// Whether so many points should be centred again: one went far out of the box, or as many were moved
+    /// as there are, so that the box may be another.
+    pub(crate) fn are_off_center(&self, count: usize) -> bool {
+        const FAR: f64 = 3.0;
+        self.extent > FAR || self.moved >= count
+    }
+
     /// Centres the surface's points again and overwrites them all.
     pub(crate) fn recenter(&mut self, points: &[DVec4]) {
         self.centering = Centering::of(points.iter());
         self.extent = 1.0;
+        self.moved = 0;
         let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();
         self.buffer.buffer().write(self.first, &values);
     }
