@@ -158,8 +158,7 @@ impl FreeFormSurface {
     }
 
     /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU; all of
-    /// the surface's, centred anew, if it goes far out of their box, or if as many points were moved as
-    /// there are.
+    /// the surface's, centred anew, if it goes far out of their box or the box becomes much smaller.
     ///
     /// # Errors
     /// An index out of range, a point that is not finite; the surface stays as it was.
@@ -176,7 +175,7 @@ impl FreeFormSurface {
         self.surface.set_control_point(point, index)?;
         self.control_points.write(index, point);
         let points = self.surface.control_points();
-        if self.control_points.are_off_center(points.len()) {
+        if self.control_points.are_off_center(points) {
             self.control_points.recenter(points);
         }
         let degree = self.surface.degree();
@@ -359,7 +358,7 @@ impl FreeFormSurface {
     }
 
     /// Adds a loop to those that are there; one inside another is an island. The exact method takes
-    /// every loop; [`Method::Thesis`] draws those that [`NewtonTrims`](crate::NewtonTrims) takes.
+    /// every loop; [`Method::Thesis`](crate::Method::Thesis) draws those that [`NewtonTrims`](crate::NewtonTrims) takes.
     ///
     /// # Errors
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.

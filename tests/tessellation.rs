@@ -51,6 +51,8 @@ fn ratio_of_one_curve(a: &[DVec4], b: &[DVec4]) -> Option<f64> {
 
 /// A point of clip space, to the last bit.
 type Bits = [u32; 4];
+/// The two ends of an edge of a triangle: places and (u, v).
+type Ends = [(Bits, [u32; 2]); 2];
 
 /// What of a side is in triangles: its vertices two by two.
 fn segments(corners: &[&[DrawnVertex; 3]], side: Side, weight: f32) -> BTreeSet<[Bits; 2]> {
@@ -150,7 +152,7 @@ fn check_neighbours(name: &str, scene: &Scene, drawn: &[DrawnVertex]) -> Met {
 /// Fails unless every edge within a patch belongs to two triangles, so that its parts meet.
 fn check_insides(name: &str, drawn: &[DrawnVertex]) {
     for (number, triangles) in by_patch(drawn) {
-        let mut edges: HashMap<[(Bits, [u32; 2]); 2], (usize, bool)> = HashMap::new();
+        let mut edges: HashMap<Ends, (usize, bool)> = HashMap::new();
         for triangle in triangles {
             for i in 0..3 {
                 let ends = [&triangle[i], &triangle[(i + 1) % 3]];

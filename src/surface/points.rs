@@ -95,11 +95,19 @@ impl ControlPoints {
         self.first
     }
 
-    /// Whether so many points should be centred again: one went far out of the box, or as many were moved
-    /// as there are, so that the box may be another.
-    pub(crate) fn are_off_center(&self, count: usize) -> bool {
+    /// Whether the surface's points should be centred again: one went far out of their box, or the box has
+    /// become much smaller. Of many points the box is looked at when as many were moved.
+    pub(crate) fn are_off_center(&mut self, points: &[DVec4]) -> bool {
         const FAR: f64 = 3.0;
-        self.extent > FAR || self.moved >= count
+        const FEW: usize = 1024;
+        if self.extent > FAR {
+            return true;
+        }
+        if self.moved < points.len() && points.len() > FEW {
+            return false;
+        }
+        self.moved = 0;
+        4.0 * Centering::of(points.iter()).scale <= self.centering.scale
     }
 
     /// Centres the surface's points again and overwrites them all.
