@@ -1,4 +1,5 @@
-// Fetches the control points of a patch, and cuts a part of it into cells. SIDE is 4 or 5: control points along a side.
+// Fetches the control points of a patch, and cuts a part of it into cells. SIDE is 4 or 5: control
+// points along a side.
 
 layout(vertices = SIDE * SIDE) out;
 
