@@ -6,9 +6,9 @@
 //! after `--` choose sections: static, teapot, normals, moving, sight, cut, memory.
 
 mod static_mesh;
+mod turns;
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, Framebuffer};
 use freeform_surface::{
@@ -17,9 +17,9 @@ use freeform_surface::{
 };
 use glam::{DVec3, DVec4, dvec2, dvec3};
 use static_mesh::StaticMesh;
+use turns::{in_turns, line};
 
 const SIDE: u32 = 1024;
-const TURNS: usize = 15;
 /// The exact method's fragment stage.
 const FRAGMENT: [(&str, &str); 3] = [
     ("normal.frag", include_str!("../glsl/common/normal.frag")),
@@ -60,31 +60,6 @@ fn field(patches: usize) -> Scene {
     surface.paint = single.paint;
     scene.surfaces.push(surface);
     scene
-}
-
-fn median(mut times: Vec<Duration>) -> f64 {
-    times.sort_unstable();
-    times[times.len() / 2].as_secs_f64() * 1e3
-}
-
-/// Medians of several frames in turns, in milliseconds.
-fn in_turns(frames: &mut [&mut dyn FnMut()]) -> Vec<f64> {
-    for frame in frames.iter_mut() {
-        frame();
-    }
-    let mut times = vec![Vec::new(); frames.len()];
-    for _ in 0..TURNS {
-        for (frame, times) in frames.iter_mut().zip(&mut times) {
-            let start = Instant::now();
-            frame();
-            times.push(start.elapsed());
-        }
-    }
-    times.into_iter().map(median).collect()
-}
-
-fn line(what: &str, value: f64, bar: &str) {
-    println!("{what:66} {value:10.3}   {bar}");
 }
 
 /// A scene in the driver's memory that is drawn again and again.

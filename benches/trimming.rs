@@ -3,8 +3,9 @@
 //!
 //! `cargo bench --bench trimming` prints medians, ratios and the bars they should stay under.
 
+mod turns;
+
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, Framebuffer};
 use freeform_surface::{
@@ -12,9 +13,9 @@ use freeform_surface::{
     Scene, Segment, TrimGrid, TrimLoop, Trims,
 };
 use glam::{DVec2, dvec2};
+use turns::{in_turns, line};
 
 const SIDE: u32 = 1024;
-const TURNS: usize = 15;
 
 const FILLING: &str = r#"
 camera = { eye = [0, 2, 0], target = [0, 0, 0], up = [0, 0, -1], orthographic_height = 1 }
@@ -65,33 +66,8 @@ fn trims(loops: Vec<TrimLoop>) -> Trims {
     Trims { loops, ..Trims::default() }
 }
 
-fn median(mut times: Vec<Duration>) -> f64 {
-    times.sort_unstable();
-    times[times.len() / 2].as_secs_f64() * 1e3
-}
-
-/// Medians of several frames in turns, in milliseconds.
-fn in_turns(frames: &mut [&mut dyn FnMut()]) -> Vec<f64> {
-    for frame in frames.iter_mut() {
-        frame();
-    }
-    let mut times = vec![Vec::new(); frames.len()];
-    for _ in 0..TURNS {
-        for (frame, times) in frames.iter_mut().zip(&mut times) {
-            let start = Instant::now();
-            frame();
-            times.push(start.elapsed());
-        }
-    }
-    times.into_iter().map(median).collect()
-}
-
 fn timed(mut work: impl FnMut()) -> f64 {
     in_turns(&mut [&mut work])[0]
-}
-
-fn line(what: &str, value: f64, bar: &str) {
-    println!("{what:64} {value:9.3}   {bar}");
 }
 
 fn main() {

@@ -158,7 +158,8 @@ impl FreeFormSurface {
     }
 
     /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU; all of
-    /// the surface's, centred anew, if it goes far out of their box or the box becomes much smaller.
+    /// the surface's, centred anew, if it goes far out of their box or the box becomes much smaller. Edges
+    /// that it had in common with other surfaces then differ from theirs by rounding.
     ///
     /// # Errors
     /// An index out of range, a point that is not finite; the surface stays as it was.

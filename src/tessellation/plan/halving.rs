@@ -37,7 +37,7 @@ impl Plan {
         let extent = bound.extent as f32;
         let levels = wanted_levels(&bound, screen);
         if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
-            let cells = self.settle(net, &bound, screen, rounding);
+            let cells = self.settle(net, &bound, levels, screen, rounding);
             return State { drawn: true, cells, extent, ..State::default() };
         }
         self.leaves.clear();
@@ -46,14 +46,15 @@ impl Plan {
     }
 
     /// The cells that a part is drawn with: at most what OpenGL draws. Their error is noted.
-    pub(super) fn settle<const N: usize>(
+    fn settle<const N: usize>(
         &mut self,
         net: &ClipNet<N>,
         bound: &Bound,
+        levels: [f64; 2],
         screen: &Screen,
         rounding: &Rounding,
     ) -> [u8; 2] {
-        let cells = wanted_levels(bound, screen).map(|level| level.min(MOST_CELLS.into()));
+        let cells = levels.map(|level| level.min(MOST_CELLS.into()));
         let error = left_over(net, bound, cells, screen, rounding, DEEPER);
         raise(&mut self.figures.largest_bound, error);
         if error > screen.tolerance() {
@@ -82,7 +83,7 @@ impl Plan {
         });
         let axis = match needs {
             [false, false] => {
-                let cells = self.settle(net, &bound, screen, rounding);
+                let cells = self.settle(net, &bound, levels, screen, rounding);
                 self.leaves.push(Leaf { cells: Some(cells), ..part });
                 return;
             }
@@ -102,7 +103,7 @@ impl Plan {
     }
 
     /// Spreads the leaves over a grid of parts that all have the size of the smallest.
-    pub(super) fn gather(&mut self) -> State {
+    fn gather(&mut self) -> State {
         let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
         let most = |axis: usize| seen().map(|leaf| leaf.halvings[axis]).max();
         let (Some(along_u), Some(along_v)) = (most(0), most(1)) else { return State::default() };
@@ -122,7 +123,7 @@ impl Plan {
         State { drawn: true, halvings, first_cell: first_cell as u32, ..State::default() }
     }
 
-    pub(super) fn new_cells(&mut self, halvings: [u8; 2]) -> usize {
+    fn new_cells(&mut self, halvings: [u8; 2]) -> usize {
         let first = self.cells.len();
         self.cells.resize(first + (1 << (halvings[0] + halvings[1])), [0; 2]);
         first
