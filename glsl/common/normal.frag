@@ -2,7 +2,6 @@
 // vertices have.
 
 #ifdef PIXEL_NORMALS
-layout(binding = 3) uniform samplerBuffer controlPoints;
 layout(binding = 4) uniform samplerBuffer surfaces;
 
 #ifdef AOV
@@ -16,19 +15,16 @@ layout(location = 14) flat in vec2 passLongest;
 layout(location = 5) flat in vec2 passLongest;
 #endif
 
-vec4 controlPoint(int index)
-{
-    return texelFetch(controlPoints, int(passPlace.x) + index);
-}
-
 // View space, unit length.
 vec3 normalAt(vec2 uv)
 {
     vec2 t = clamp(uv, 0.0, 1.0), s = 1.0 - t;
-    vec4 point, du, dv;
-    evaluate(t, s, point, du, dv);
+    int first = int(passPlace.x);
+    vec4 point;
+    POINT du, dv;
+    evaluate(first, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 crossed = patchNormal(t, s, point, du, dv, passLongest);
+    vec3 crossed = patchNormal(first, t, s, point, du, dv, passLongest);
 #else
     vec3 crossed = cross(tangent(point, dv), tangent(point, du));
 #endif

@@ -3,8 +3,27 @@
 // t is a place in the domain and s is 1 - t, each rounded by itself, so that a patch whose parameter
 // runs the other way gets the same numbers with s and t exchanged. Every sum and product of a point
 // is written so that this exchange changes no bit of it.
+//
+// With DEGENERATE patches may be rational, and their normals may vanish; else all weights are 1.
 
-vec4 controlPoint(int index);
+layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred and scaled
+
+#ifdef DEGENERATE
+#define POINT vec4
+#else
+#define POINT vec3
+#endif
+
+// A control point, with its weight if that may differ from 1.
+POINT controlPoint(int index)
+{
+    vec4 point = texelFetch(controlPoints, index);
+#ifdef DEGENERATE
+    return point;
+#else
+    return point.xyz;
+#endif
+}
 
 // Bernstein polynomials of degree SIDE - 1.
 void bernstein(float t, float s, out float b[SIDE])
@@ -35,44 +54,64 @@ void bernsteinSlopes(float t, float s, out float slope[SIDE])
 }
 
 // Points times weights, from both ends towards the middle.
-vec4 weighed(vec4 p[SIDE], float b[SIDE])
+POINT weighed(POINT p[SIDE], float b[SIDE])
 {
 #if SIDE == 4
-    precise vec4 sum = (b[0] * p[0] + b[3] * p[3]) + (b[1] * p[1] + b[2] * p[2]);
+    precise POINT sum = (b[0] * p[0] + b[3] * p[3]) + (b[1] * p[1] + b[2] * p[2]);
 #else
-    precise vec4 sum = ((b[0] * p[0] + b[4] * p[4]) + (b[1] * p[1] + b[3] * p[3])) + b[2] * p[2];
+    precise POINT sum = ((b[0] * p[0] + b[4] * p[4]) + (b[1] * p[1] + b[3] * p[3])) + b[2] * p[2];
 #endif
     return sum;
 }
 
-// The homogeneous point and its derivatives along u and v.
-void evaluate(vec2 t, vec2 s, out vec4 point, out vec4 du, out vec4 dv)
+// The same of a number that all points have.
+float weighed(float all, float b[SIDE])
+{
+#if SIDE == 4
+    precise float sum = (b[0] * all + b[3] * all) + (b[1] * all + b[2] * all);
+#else
+    precise float sum = ((b[0] * all + b[4] * all) + (b[1] * all + b[3] * all)) + b[2] * all;
+#endif
+    return sum;
+}
+
+// The homogeneous point and its derivatives along u and v; `first` is the patch's first control point.
+void evaluate(int first, vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
 {
     float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE];
     bernstein(t.x, s.x, bu);
     bernstein(t.y, s.y, bv);
     bernsteinSlopes(t.x, s.x, su);
     bernsteinSlopes(t.y, s.y, sv);
-    vec4 rows[SIDE];
-    du = dv = vec4(0.0);
+    POINT rows[SIDE];
+    du = dv = POINT(0.0);
     for (int row = 0; row < SIDE; ++row) {
-        vec4 points[SIDE];
-        vec4 slope = vec4(0.0);
+        POINT points[SIDE];
+        POINT slope = POINT(0.0);
         for (int column = 0; column < SIDE; ++column) {
-            points[column] = controlPoint(row * SIDE + column);
+            points[column] = controlPoint(first + row * SIDE + column);
             slope += su[column] * points[column];
         }
         rows[row] = weighed(points, bu);
         du += bv[row] * slope;
         dv += sv[row] * rows[row];
     }
+#ifdef DEGENERATE
     point = weighed(rows, bv);
+#else
+    // The weight rounded as among others: patches of both kinds meet.
+    point = vec4(weighed(rows, bv), weighed(weighed(1.0, bu), bv));
+#endif
 }
 
 // The direction that a tangent has by the quotient rule, whose denominator is left out.
-vec3 tangent(vec4 point, vec4 derivative)
+vec3 tangent(vec4 point, POINT derivative)
 {
+#ifdef DEGENERATE
     return derivative.xyz * point.w - point.xyz * derivative.w;
+#else
+    return derivative;
+#endif
 }
 
 #ifdef DEGENERATE
@@ -94,7 +133,7 @@ void bernsteinBends(float t, float s, out float bend[SIDE])
 
 // The normal where tangents may vanish or be parallel: then the first term of its series along the
 // diagonal into the patch that does not vanish. Not of unit length; zero if there is none.
-vec3 patchNormal(vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
+vec3 patchNormal(int first, vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
 {
     float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE], ru[SIDE], rv[SIDE];
     bernstein(t.x, s.x, bu);
@@ -106,7 +145,7 @@ vec3 patchNormal(vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
     vec4 duu = vec4(0.0), duv = vec4(0.0), dvv = vec4(0.0);
     for (int row = 0; row < SIDE; ++row) {
         for (int column = 0; column < SIDE; ++column) {
-            vec4 p = controlPoint(row * SIDE + column);
+            vec4 p = controlPoint(first + row * SIDE + column);
             duu += ru[column] * bv[row] * p;
             duv += su[column] * sv[row] * p;
             dvv += bu[column] * rv[row] * p;

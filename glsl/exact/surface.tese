@@ -29,11 +29,6 @@ layout(location = 5) flat out vec2 passLongest;
 #endif
 #endif
 
-vec4 controlPoint(int index)
-{
-    return gl_in[index].gl_Position;
-}
-
 // One whole number over another, rounded correctly on drivers whose division is not: 1/2 and 2/4 meet.
 float ratio(int a, int b)
 {
@@ -63,8 +58,8 @@ int levelsAlong(float tessCoord, float across, int cells, int lowEdge, int highE
     return tessCoord == 0.0 || tessCoord == 1.0 ? 1 : levels;
 }
 
-// A matrix of the patch's surface: its columns from this one on. (Fetched here: as outputs of the
-// control stage they cost Mesa's software driver half of a small patch's time.)
+// A matrix of the patch's surface: its columns from this one on. (Matrices and control points are fetched
+// here: as outputs of the control stage they cost Mesa's software driver half of a small patch's time.)
 mat4 matrix(int column)
 {
     int first = int(placeOfPatch.z) * 12 + column;
@@ -87,10 +82,12 @@ void main()
     vec2 v = along(at.y, at.y == 0.0 || at.y == 1.0 ? 1 : cells.y, levelsV, part.y, parts.y);
     vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
 
-    vec4 point, du, dv;
-    evaluate(t, s, point, du, dv);
+    int first = int(placeOfPatch.x);
+    vec4 point;
+    POINT du, dv;
+    evaluate(first, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = normalToView * patchNormal(t, s, point, du, dv, longest);
+    vec3 normal = normalToView * patchNormal(first, t, s, point, du, dv, longest);
 #else
     // Crossed v first, as in the thesis.
     vec3 normal = normalToView * cross(tangent(point, dv), tangent(point, du));

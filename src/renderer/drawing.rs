@@ -206,7 +206,7 @@ impl Drawing {
             patches.push(SurfacePatches {
                 degree,
                 points,
-                to_clip: to_clip * model,
+                to_clip: (to_clip * model).into(),
                 rounding,
                 shapes,
                 back,

@@ -93,7 +93,7 @@ pub enum Pipeline {
         degree: Degree,
         /// Samples a pixel of the target.
         samples: u32,
-        /// For patches whose normal may vanish somewhere.
+        /// For patches that are rational, or whose normal may vanish somewhere.
         degenerate: bool,
         /// Where normals are evaluated.
         normals: Normals,

@@ -72,6 +72,16 @@ impl Rounding {
     }
 }
 
+/// From the space of control points to clip space: the matrix row by row.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ToClip([DVec4; 4]);
+
+impl From<DMat4> for ToClip {
+    fn from(matrix: DMat4) -> Self {
+        Self([0, 1, 2, 3].map(|row| matrix.row(row)))
+    }
+}
+
 /// The control points of a patch of `N` × `N` or of a part of one in clip space, row by row,
 /// multiplied by their weights.
 #[derive(Debug, Clone, Copy)]
@@ -119,12 +129,11 @@ impl Bound {
 impl<const N: usize> ClipNet<N> {
     /// Transforms the control points (x, y, z, weight) of a patch.
     #[inline]
-    pub(crate) fn new(points: &[DVec4], to_clip: &DMat4) -> Self {
+    pub(crate) fn new(points: &[DVec4], to_clip: &ToClip) -> Self {
         let mut net = Self { axes: [[[1.0; N]; N]; 5], rational: false };
-        let rows = [0, 1, 2, 3].map(|row| to_clip.row(row));
         for (row, points) in points.chunks_exact(N).enumerate().take(N) {
             for (column, p) in points.iter().enumerate() {
-                for (axis, m) in net.axes.iter_mut().zip(&rows) {
+                for (axis, m) in net.axes.iter_mut().zip(&to_clip.0) {
                     axis[row][column] = (m.x * p.x + m.y * p.y + (m.z * p.z + m.w)) * p.w;
                 }
                 net.axes[4][row][column] = p.w;
@@ -171,50 +180,61 @@ impl<const N: usize> ClipNet<N> {
         let seen = if crosses_near {
             Seen::across_near(screen, screen.near * least_weight)
         } else {
-            let [xi, eta] = ranges(x, y, w);
-            Seen { px: screen.half / least_w, xi, eta }
+            Seen::new(screen.half / least_w, ranges(x, y, w))
         };
-        let (mut uu, mut uv, mut vv) = (0.0_f64, 0.0_f64, 0.0_f64);
+        // About the middle of what is seen, in pixels.
+        let [x, y] = [0, 1].map(|axis| {
+            let mut about = *w;
+            let (value, w) = (self.axes[axis].as_flattened(), w.as_flattened());
+            for (i, about) in about.as_flattened_mut().iter_mut().enumerate() {
+                *about = (value[i] - seen.middle[axis] * w[i]) * seen.px[axis];
+            }
+            about
+        });
+        let (x, y) = (&x, &y);
+        // The largest of each column by itself: columns are worked on side by side.
+        let (mut uu, mut uv, mut vv) = ([0.0_f64; N], [0.0_f64; N], [0.0_f64; N]);
         for row in 0..N {
-            for i in 0..N - 2 {
+            for (i, uu) in uu[..N - 2].iter_mut().enumerate() {
                 let bend = |a: &[[f64; N]; N]| {
                     (a[row][i] - a[row][i + 1]) - (a[row][i + 1] - a[row][i + 2])
                 };
-                uu = most(uu, seen.squared(bend(x), bend(y), bend(w)));
+                *uu = most(*uu, seen.squared(bend(x), bend(y), bend(w)));
             }
         }
         for i in 0..N - 2 {
-            for column in 0..N {
+            for (column, vv) in vv.iter_mut().enumerate() {
                 let bend = |a: &[[f64; N]; N]| {
                     (a[i][column] - a[i + 1][column]) - (a[i + 1][column] - a[i + 2][column])
                 };
-                vv = most(vv, seen.squared(bend(x), bend(y), bend(w)));
+                *vv = most(*vv, seen.squared(bend(x), bend(y), bend(w)));
             }
         }
         for row in 0..N - 1 {
-            for i in 0..N - 1 {
+            for (i, uv) in uv[..N - 1].iter_mut().enumerate() {
                 let twist = |a: &[[f64; N]; N]| {
                     (a[row + 1][i + 1] - a[row + 1][i]) - (a[row][i + 1] - a[row][i])
                 };
-                uv = most(uv, seen.squared(twist(x), twist(y), twist(w)));
+                *uv = most(*uv, seen.squared(twist(x), twist(y), twist(w)));
             }
         }
+        let [uu, uv, vv] = [uu, uv, vv].map(|squares| squares.into_iter().fold(0.0, most).sqrt());
         let degree = (N - 1) as f64;
         let second = degree * (degree - 1.0);
         let depth = least_depth.max(screen.near);
         let nearest = if crosses_near { screen.near * least_weight } else { least_w };
         let depth_ratio = greatest_w / nearest;
         // Rasterisers interpolate what is divided by w, in `f32`.
-        let extent = screen.half * DVec2::new(seen.xi[1] - seen.xi[0], seen.eta[1] - seen.eta[0]);
+        let extent = 2.0 * screen.half * seen.reach / seen.px;
         let extent = extent.length().min(2.0 * screen.half.length());
         let interpolation = ROUNDING_UNIT * depth_ratio * extent;
         let rounding =
             (screen.half * DVec2::new(rounding.x + rounding.w, rounding.y + rounding.w)).length();
         Bound {
             curvature: Curvature {
-                uu: second * uu.sqrt(),
-                uv: degree * degree * uv.sqrt(),
-                vv: second * vv.sqrt(),
+                uu: second * uu,
+                uv: degree * degree * uv,
+                vv: second * vv,
             },
             rounding: rounding / depth + interpolation,
             depth_ratio,
@@ -256,31 +276,34 @@ impl<const N: usize> ClipNet<N> {
 struct Seen {
     /// Pixels for a unit.
     px: DVec2,
-    /// Least and greatest x/w.
-    xi: [f64; 2],
-    /// Least and greatest y/w.
-    eta: [f64; 2],
+    /// The middle of the ranges of x/w and y/w.
+    middle: DVec2,
+    /// Half of the ranges' lengths, in pixels for a unit of w.
+    reach: DVec2,
 }
 
 impl Seen {
+    /// For ranges [least, greatest] of x/w and y/w.
+    fn new(px: DVec2, [[left, right], [bottom, top]]: [[f64; 2]; 2]) -> Self {
+        let (low, high) = (DVec2::new(left, bottom), DVec2::new(right, top));
+        // Rounding of the middle must not shorten them.
+        const WIDER: f64 = 1e-15;
+        Self { px, middle: 0.5 * (low + high), reach: px * (0.5 * (high - low) + WIDER) }
+    }
+
     /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
     fn across_near(screen: &Screen, near: f64) -> Self {
         let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
-        Self {
-            // Each axis by itself stays within 1/√2 of the tolerance.
-            px: screen.half * std::f64::consts::SQRT_2 / near,
-            xi: [-1.0 - t.x, 1.0 + t.x],
-            eta: [-1.0 - t.y, 1.0 + t.y],
-        }
+        // Each axis by itself stays within 1/√2 of the tolerance.
+        let px = screen.half * std::f64::consts::SQRT_2 / near;
+        Self { px, middle: DVec2::ZERO, reach: px * (1.0 + t) }
     }
 
-    /// The square of a difference's size on the screen, at most.
+    /// The square of a difference's size on the screen, at most; x and y are about the middle and in
+    /// pixels.
     #[inline]
     fn squared(&self, x: f64, y: f64, w: f64) -> f64 {
-        let along = |value: f64, [low, high]: [f64; 2]| {
-            most((value - low * w).abs(), (value - high * w).abs())
-        };
-        let (x, y) = (self.px.x * along(x, self.xi), self.px.y * along(y, self.eta));
+        let (x, y) = (x.abs() + self.reach.x * w.abs(), y.abs() + self.reach.y * w.abs());
         x * x + y * y
     }
 }
@@ -340,6 +363,9 @@ impl Curvature {
     /// the other asks; f64, because they may be beyond all bounds.
     pub(crate) fn levels(&self, tolerance: f64) -> [f64; 2] {
         let Self { uu, uv, vv } = *self;
+        if self.error([1.0; 2]) <= tolerance {
+            return [1.0; 2];
+        }
         // Levels in the ratio of the roots of the curvatures need the fewest triangles; where the
         // patch is all twist, any ratio does.
         let (a, b) = (uu.sqrt().max(0.3 * uv.sqrt()), vv.sqrt().max(0.3 * uv.sqrt()));
@@ -477,11 +503,11 @@ mod tests {
         let to_clip = projection.projection * projection.view;
         let (curvature, outside) = match degree {
             Degree::Cubic => {
-                let net = ClipNet::<4>::new(points, &to_clip);
+                let net = ClipNet::<4>::new(points, &to_clip.into());
                 (net.bound(&screen, &EXACT).curvature, net.is_outside())
             }
             Degree::Quartic => {
-                let net = ClipNet::<5>::new(points, &to_clip);
+                let net = ClipNet::<5>::new(points, &to_clip.into());
                 (net.bound(&screen, &EXACT).curvature, net.is_outside())
             }
         };
@@ -527,7 +553,7 @@ mod tests {
             random in random(),
         ) {
             let to_clip = projection.projection * projection.view;
-            let net = ClipNet::<5>::new(&points, &to_clip);
+            let net = ClipNet::<5>::new(&points, &to_clip.into());
             let [_, quarter] = net.halves_along_u()[1].halves_along_v();
             for numbers in &random[..10] {
                 let [u, v] = [numbers[0], numbers[1]];

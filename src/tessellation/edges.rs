@@ -76,7 +76,23 @@ impl EdgeTable {
                 table.edges[side.place as usize / SIDES][side.place as usize % SIDES] = number;
             }
         }
+        table.renumber();
         table
+    }
+
+    /// Numbers the edges as the patches come to them: a walk over the patches then walks over the
+    /// edges' memory.
+    fn renumber(&mut self) {
+        let mut numbers = vec![u32::MAX; self.count];
+        let mut next = 0;
+        for edge in self.edges.as_flattened_mut() {
+            let number = &mut numbers[*edge as usize];
+            if *number == u32::MAX {
+                *number = next;
+                next += 1;
+            }
+            *edge = *number;
+        }
     }
 
     fn number(&self, place: u32) -> u32 {

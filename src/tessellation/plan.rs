@@ -14,9 +14,9 @@
 mod halving;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat4, DVec4};
+use glam::DVec4;
 
-use super::bound::{ClipNet, Rounding, Screen};
+use super::bound::{ClipNet, Rounding, Screen, ToClip};
 use super::edges::{EdgeTable, SIDES};
 use super::parts::{FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
@@ -74,8 +74,7 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) degree: Degree,
     /// (x, y, z, weight) of all patches.
     pub(crate) points: &'a [DVec4],
-    /// From the control points' space to clip space.
-    pub(crate) to_clip: DMat4,
+    pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
     pub(crate) shapes: &'a [Shape],
     /// Where it is seen from and whether its matrix mirrors (−1), if what faces away is left out.
@@ -126,7 +125,8 @@ struct State {
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     level: u32,
-    halvings: u8,
+    /// As wide as the level: a narrower one makes the next patch wait for what this one wrote.
+    halvings: u32,
 }
 
 impl Edge {
@@ -312,7 +312,7 @@ impl Plan {
             let level = self.along_side(&state, side) << state.halvings[axis];
             let edge = &mut self.edges[edge];
             edge.level = edge.level.max(level);
-            edge.halvings = edge.halvings.max(state.halvings[axis]);
+            edge.halvings = edge.halvings.max(state.halvings[axis].into());
         }
     }
 

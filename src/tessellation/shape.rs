@@ -4,7 +4,6 @@
 use glam::{DVec3, DVec4, Vec3};
 
 use crate::Degree;
-use crate::bezier::Patch;
 
 /// How often a patch is halved to find out.
 const MOST_HALVINGS: u32 = 3;
@@ -35,10 +34,14 @@ impl Shape {
         if points.iter().any(|point| point.w != 1.0) {
             return Self::UNKNOWN;
         }
-        let patch = Patch::new(degree, points);
-        let Some(axis) = patch.normal(0.5, 0.5) else { return Self::UNKNOWN };
         let side = degree.side();
         let net: Vec<DVec3> = points.iter().map(|point| point.truncate()).collect();
+        let sum = |step: usize, from: usize| -> DVec3 {
+            (0..side).map(|i| net[from + i * step]).sum()
+        };
+        let along_u = sum(side, side - 1) - sum(side, 0);
+        let along_v = sum(1, net.len() - side) - sum(1, 0);
+        let Some(axis) = along_u.cross(along_v).try_normalize() else { return Self::UNKNOWN };
         let longest = |step: usize, skip: fn(usize, usize) -> bool| {
             (0..net.len())
                 .filter(|i| !skip(*i, side))
@@ -60,7 +63,7 @@ impl Shape {
         }
     }
 
-    /// Whether a normal may vanish somewhere.
+    /// Whether a normal may vanish somewhere, as far as is known: of rational patches nothing is.
     pub(crate) fn may_degenerate(&self) -> bool {
         self.axis == Vec3::ZERO
     }
