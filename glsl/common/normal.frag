@@ -19,12 +19,13 @@ layout(location = 5) flat in vec2 passLongest;
 vec3 normalAt(vec2 uv)
 {
     vec2 t = clamp(uv, 0.0, 1.0), s = 1.0 - t;
-    int first = int(passPlace.x);
+    POINT points[SIDE * SIDE];
+    fetchPatch(int(passPlace.x), points);
     vec4 point;
     POINT du, dv;
-    evaluate(first, t, s, point, du, dv);
+    evaluate(points, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 crossed = patchNormal(first, t, s, point, du, dv, passLongest);
+    vec3 crossed = patchNormal(points, t, s, point, du, dv, passLongest);
 #else
     vec3 crossed = cross(tangent(point, dv), tangent(point, du));
 #endif

@@ -14,15 +14,17 @@ layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred
 #define POINT vec3
 #endif
 
-// A control point, with its weight if that may differ from 1.
-POINT controlPoint(int index)
+// The control points of the patch whose first this is, with their weights if those may differ from 1.
+void fetchPatch(int first, out POINT points[SIDE * SIDE])
 {
-    vec4 point = texelFetch(controlPoints, index);
+    for (int i = 0; i < SIDE * SIDE; ++i) {
+        vec4 point = texelFetch(controlPoints, first + i);
 #ifdef DEGENERATE
-    return point;
+        points[i] = point;
 #else
-    return point.xyz;
+        points[i] = point.xyz;
 #endif
+    }
 }
 
 // Bernstein polynomials of degree SIDE - 1.
@@ -75,8 +77,8 @@ float weighed(float all, float b[SIDE])
     return sum;
 }
 
-// The homogeneous point and its derivatives along u and v; `first` is the patch's first control point.
-void evaluate(int first, vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
+// The homogeneous point and its derivatives along u and v.
+void evaluate(POINT points[SIDE * SIDE], vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
 {
     float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE];
     bernstein(t.x, s.x, bu);
@@ -86,13 +88,13 @@ void evaluate(int first, vec2 t, vec2 s, out vec4 point, out POINT du, out POINT
     POINT rows[SIDE];
     du = dv = POINT(0.0);
     for (int row = 0; row < SIDE; ++row) {
-        POINT points[SIDE];
+        POINT line[SIDE];
         POINT slope = POINT(0.0);
         for (int column = 0; column < SIDE; ++column) {
-            points[column] = controlPoint(first + row * SIDE + column);
-            slope += su[column] * points[column];
+            line[column] = points[row * SIDE + column];
+            slope += su[column] * line[column];
         }
-        rows[row] = weighed(points, bu);
+        rows[row] = weighed(line, bu);
         du += bv[row] * slope;
         dv += sv[row] * rows[row];
     }
@@ -133,7 +135,7 @@ void bernsteinBends(float t, float s, out float bend[SIDE])
 
 // The normal where tangents may vanish or be parallel: then the first term of its series along the
 // diagonal into the patch that does not vanish. Not of unit length; zero if there is none.
-vec3 patchNormal(int first, vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
+vec3 patchNormal(POINT points[SIDE * SIDE], vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
 {
     float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE], ru[SIDE], rv[SIDE];
     bernstein(t.x, s.x, bu);
@@ -145,7 +147,7 @@ vec3 patchNormal(int first, vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 l
     vec4 duu = vec4(0.0), duv = vec4(0.0), dvv = vec4(0.0);
     for (int row = 0; row < SIDE; ++row) {
         for (int column = 0; column < SIDE; ++column) {
-            vec4 p = controlPoint(first + row * SIDE + column);
+            vec4 p = points[row * SIDE + column];
             duu += ru[column] * bv[row] * p;
             duv += su[column] * sv[row] * p;
             dvv += bu[column] * rv[row] * p;

@@ -82,12 +82,13 @@ void main()
     vec2 v = along(at.y, at.y == 0.0 || at.y == 1.0 ? 1 : cells.y, levelsV, part.y, parts.y);
     vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
 
-    int first = int(placeOfPatch.x);
+    POINT points[SIDE * SIDE];
+    fetchPatch(int(placeOfPatch.x), points);
     vec4 point;
     POINT du, dv;
-    evaluate(first, t, s, point, du, dv);
+    evaluate(points, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = normalToView * patchNormal(first, t, s, point, du, dv, longest);
+    vec3 normal = normalToView * patchNormal(points, t, s, point, du, dv, longest);
 #else
     // Crossed v first, as in the thesis.
     vec3 normal = normalToView * cross(tangent(point, dv), tangent(point, du));
