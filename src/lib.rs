@@ -70,6 +70,7 @@ pub mod gpu;
 #[cfg(feature = "headless")]
 mod headless;
 pub mod measure;
+mod mesh;
 pub mod reference;
 pub mod renderer;
 mod scene;
@@ -86,6 +87,10 @@ pub use camera::{Camera, Lens, Projection};
 pub use error::{Error, Result};
 #[cfg(feature = "headless")]
 pub use headless::{Backend, Headless};
+pub use mesh::{
+    Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
+    SmoothTriangle, Smoothing, smooth,
+};
 pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
     Cull, Image, Method, Normals, Paint, RenderSettings, Samples, Scene, Shading, Surface,
