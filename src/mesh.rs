@@ -10,6 +10,7 @@ mod normals;
 mod phong;
 mod pn;
 mod step;
+mod weld;
 
 use glam::{DVec2, DVec3};
 
@@ -20,6 +21,7 @@ pub use half_edge::{HalfedgeMesh, SmoothTriangle};
 pub use phong::PhongTriangle;
 pub use pn::PnTriangle;
 pub use step::{CurvedTriangle, smooth};
+pub(crate) use weld::weld;
 
 /// How a mesh becomes a smooth surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -38,6 +40,9 @@ pub enum Smoothing {
 pub struct Alpha(f64);
 
 impl Alpha {
+    /// Not at all: the mesh stays as it is.
+    pub const NONE: Self = Self(0.0);
+
     /// A factor.
     ///
     /// # Errors
@@ -145,6 +150,12 @@ impl Mesh {
         if triangles.is_empty() || triangles.len() > Self::MAX_TRIANGLES {
             let expected = format!("1 to {}", Self::MAX_TRIANGLES);
             return Err(Error::invalid("number of triangles", triangles.len(), expected));
+        }
+        // So that the numbers of what a step makes fit in 32 bits.
+        let longest = positions.len().max(normals.len()).max(coordinates.len());
+        if longest > 3 * Self::MAX_TRIANGLES {
+            let expected = format!("at most {}", 3 * Self::MAX_TRIANGLES);
+            return Err(Error::invalid("number of vertices", longest, expected));
         }
         for (index, position) in positions.iter().enumerate() {
             // The name is made for the error alone.

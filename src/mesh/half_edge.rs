@@ -11,11 +11,16 @@
 
 use glam::DVec3;
 
-use super::{Corner, Mesh, normals};
+use super::{Corner, Mesh, Smoothing, normals};
 use crate::{Error, Result};
 
 /// No twin: the half-edge is at a border.
 const NONE: u32 = u32::MAX;
+
+/// The next half-edge of the same triangle.
+pub(super) const fn next(halfedge: u32) -> u32 {
+    if halfedge % 3 == 2 { halfedge - 2 } else { halfedge + 1 }
+}
 
 /// The half-edges of a list of triangles, by number.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -77,6 +82,48 @@ impl Connectivity {
             }
         }
         Ok(Self::of_twins(twins))
+    }
+
+    /// The half-edges after a step, whose triangles have fixed places among the nine of each old one.
+    fn tessellated(&self) -> Self {
+        // Half-edge `i` of the part `part` of the three at corner `k`.
+        let of =
+            |triangle: u32, k: u32, part: u32, i: u32| 27 * triangle + 9 * (k % 3) + 3 * part + i;
+        // The three thirds of an old half-edge.
+        let third = |halfedge: u32, third: u32| {
+            let (triangle, k) = (halfedge / 3, halfedge % 3);
+            match third {
+                0 => of(triangle, k, 0, 0),
+                1 => of(triangle, k, 2, 0),
+                _ => of(triangle, k + 1, 0, 2),
+            }
+        };
+        let mut twins = vec![NONE; 9 * self.twins.len()];
+        let mut pair = |a: u32, b: u32| {
+            twins[a as usize] = b;
+            twins[b as usize] = a;
+        };
+        for halfedge in 0..self.twins.len() as u32 {
+            let (triangle, k) = (halfedge / 3, halfedge % 3);
+            pair(of(triangle, k, 0, 1), of(triangle, k, 1, 2));
+            pair(of(triangle, k, 1, 0), of(triangle, k, 2, 2));
+            pair(of(triangle, k + 1, 1, 1), of(triangle, k, 2, 1));
+        }
+        for (halfedge, twin) in self.pairs() {
+            for part in 0..3 {
+                pair(third(halfedge, part), third(twin, 2 - part));
+            }
+        }
+        Self::of_twins(twins)
+    }
+
+    /// Half-edges with their twins, each pair once.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        (0..)
+            .zip(&self.twins)
+            .filter(|(_, twin)| **twin != NONE)
+            .map(|(a, b)| (a, *b))
+            .filter(|(a, b)| a < b)
     }
 
     /// Numbers the edges in the order of their first half-edges.
@@ -172,7 +219,7 @@ impl HalfedgeMesh {
     /// The next half-edge of the same triangle.
     #[must_use]
     pub const fn next(&self, halfedge: u32) -> u32 {
-        if halfedge % 3 == 2 { halfedge - 2 } else { halfedge + 1 }
+        next(halfedge)
     }
 
     /// The position that the half-edge begins at.
@@ -199,8 +246,18 @@ impl HalfedgeMesh {
         self.connectivity.halfedges[edge as usize]
     }
 
+    /// The mesh after a step, whose neighbours follow from those of this one. Beside
+    /// [`HalfedgeMesh::tessellate`] it is what further steps need.
+    ///
+    /// # Errors
+    /// More than [`Mesh::MAX_TRIANGLES`].
+    pub fn step(&self, smoothing: Smoothing) -> Result<Self> {
+        let mesh = self.tessellate(smoothing)?;
+        Ok(Self { mesh, connectivity: self.connectivity.tessellated() })
+    }
+
     /// The corner that the half-edge begins at.
-    fn corner(&self, halfedge: u32) -> Corner {
+    pub(super) fn corner(&self, halfedge: u32) -> Corner {
         self.mesh.triangles[halfedge as usize / 3][halfedge as usize % 3]
     }
 
@@ -228,10 +285,12 @@ impl HalfedgeMesh {
 
     /// The normals that shape an edge, at the beginning and the end of a half-edge of it.
     fn normals_along(&self, halfedge: u32) -> [DVec3; 2] {
-        let normal = |halfedge| self.mesh.normals[self.corner(halfedge).normal as usize];
-        let own = [halfedge, self.next(halfedge)].map(normal);
-        let Some(twin) = self.twin(halfedge) else { return own };
-        let other = [self.next(twin), twin].map(normal);
-        [normals::between(own[0], other[0]), normals::between(own[1], other[1])]
+        let ends = [halfedge, self.next(halfedge)];
+        let of_twin = self.twin(halfedge).map_or(ends, |twin| [self.next(twin), twin]);
+        [0, 1].map(|end| {
+            let [own, other] = [ends[end], of_twin[end]]
+                .map(|halfedge| self.mesh.normals[self.corner(halfedge).normal as usize]);
+            normals::between(own, other)
+        })
     }
 }
