@@ -185,9 +185,11 @@ fn index(text: &str, what: &str, count: usize) -> Result<u32, String> {
     if (0..count).contains(&index) {
         return Ok(index as u32);
     }
-    Err(format!(
-        "index {number} of a {what}; expected 1 to {count}, or −1 to −{count} from the last above"
-    ))
+    let expected = match count {
+        0 => "but none stands above".to_owned(),
+        _ => format!("expected 1 to {count}, or −1 to −{count} from the last above"),
+    };
+    Err(format!("index {number} of a {what}; {expected}"))
 }
 
 /// The first numbers of a line that has so many at most.
