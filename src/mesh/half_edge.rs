@@ -288,9 +288,10 @@ impl HalfedgeMesh {
         let ends = [halfedge, self.next(halfedge)];
         let of_twin = self.twin(halfedge).map_or(ends, |twin| [self.next(twin), twin]);
         [0, 1].map(|end| {
-            let [own, other] = [ends[end], of_twin[end]]
-                .map(|halfedge| self.mesh.normals[self.corner(halfedge).normal as usize]);
-            normals::between(own, other)
+            let [own, other] =
+                [ends[end], of_twin[end]].map(|end| self.corner(end).normal as usize);
+            let normals = self.mesh.normals();
+            if own == other { normals[own] } else { normals::between(normals[own], normals[other]) }
         })
     }
 }

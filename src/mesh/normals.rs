@@ -59,7 +59,7 @@ fn sides([a, b, c]: [DVec3; 3]) -> Option<[DVec3; 3]> {
 }
 
 /// The unit normal of a triangle; zero if it has no area.
-pub(super) fn of_face(corners: [DVec3; 3]) -> DVec3 {
+fn of_face(corners: [DVec3; 3]) -> DVec3 {
     let Some([ab, bc, ca]) = sides(corners) else { return DVec3::ZERO };
     let cross = sum(ab.cross(bc), bc.cross(ca), ca.cross(ab));
     if cross.length() > NO_AREA { cross.normalize() } else { DVec3::ZERO }
@@ -77,8 +77,8 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
 
 /// The normal for shading where nothing better is known: those of the corners interpolated; where
 /// that vanishes the triangle's own; where it has none, up.
-pub(super) fn shading(corners: [DVec3; 3], face: DVec3, weights: [f64; 3]) -> DVec3 {
-    direction(mean(corners, weights)).or_else(|| direction(face)).unwrap_or(DVec3::Z)
+pub(super) fn shading(normals: [DVec3; 3], positions: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
+    direction(mean(normals, weights)).or_else(|| direction(of_face(positions))).unwrap_or(DVec3::Z)
 }
 
 /// Computes the normals of corners that have none: the mean of the faces around the position,
@@ -88,7 +88,7 @@ pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) -> Result<()> {
         return Ok(());
     }
     let faces: Vec<DVec3> =
-        mesh.triangles.iter().map(|corners| of_face(positions(mesh, corners))).collect();
+        mesh.triangles.iter().map(|corners| of_face(positions_of(mesh, corners))).collect();
     let (groups, count) = if crease == CreaseAngle::default() {
         let positions = mesh.triangles.iter().flatten().map(|corner| corner.position);
         (positions.collect(), mesh.positions.len())
@@ -98,7 +98,7 @@ pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) -> Result<()> {
     // Summed in the order of their values, so that the order of the triangles does not matter.
     let mut shares: Vec<(u32, DVec4)> = Vec::with_capacity(groups.len());
     for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        for (k, angle) in angles(positions(mesh, corners)).into_iter().enumerate() {
+        for (k, angle) in angles(positions_of(mesh, corners)).into_iter().enumerate() {
             shares.push((groups[3 * triangle + k], (faces[triangle] * angle).extend(angle)));
         }
     }
@@ -122,7 +122,7 @@ pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) -> Result<()> {
     Ok(())
 }
 
-fn positions(mesh: &Mesh, corners: &[Corner; 3]) -> [DVec3; 3] {
+fn positions_of(mesh: &Mesh, corners: &[Corner; 3]) -> [DVec3; 3] {
     corners.map(|corner| mesh.positions[corner.position as usize])
 }
 

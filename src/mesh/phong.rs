@@ -15,7 +15,6 @@ pub struct PhongTriangle {
     /// How far the control point of each edge is from its middle.
     edges: [DVec3; 3],
     normals: [DVec3; 3],
-    face_normal: DVec3,
 }
 
 impl PhongTriangle {
@@ -31,7 +30,6 @@ impl PhongTriangle {
                 (normals::along(edge, near) + normals::along(-edge, far)) * (-0.5 * alpha.get())
             }),
             normals,
-            face_normal: normals::of_face(positions),
         }
     }
 
@@ -52,6 +50,6 @@ impl CurvedTriangle for PhongTriangle {
     }
 
     fn normal(&self, u: f64, v: f64, w: f64) -> DVec3 {
-        normals::shading(self.normals, self.face_normal, [u, v, w])
+        normals::shading(self.normals, self.positions, [u, v, w])
     }
 }

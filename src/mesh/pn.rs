@@ -26,7 +26,6 @@ pub struct PnTriangle {
     middle: DVec3,
     normals: [DVec3; 3],
     edge_normals: [DVec3; 3],
-    face_normal: DVec3,
 }
 
 impl PnTriangle {
@@ -52,7 +51,6 @@ impl PnTriangle {
                 let next = (k + 1) % 3;
                 mirrored(positions[next] - positions[k], normals[k] + normals[next])
             }),
-            face_normal: normals::of_face(positions),
         }
     }
 
@@ -101,7 +99,7 @@ impl CurvedTriangle for PnTriangle {
         let corners = normals::mean(self.normals, [u * u, v * v, w * w]);
         let edges = normals::mean(self.edge_normals, [u * v, v * w, w * u]);
         normals::direction(corners + edges)
-            .unwrap_or_else(|| normals::shading(self.normals, self.face_normal, [u, v, w]))
+            .unwrap_or_else(|| normals::shading(self.normals, self.positions, [u, v, w]))
     }
 }
 

@@ -3,10 +3,10 @@
 //!
 //! ```text
 //!               2
-//!              / \              ek near corner k of edge k, fk far from it, c the middle.
+//!              / \              ek near corner k of edge k, fk far from it, m the middle.
 //!            e2---f1            For each corner: the triangle at it, the one between its two
 //!            / \ / \            edge points and the middle, the one on the middle third of
-//!          f2---c---e1          the edge that begins there.
+//!          f2---m---e1          the edge that begins there.
 //!          / \ / \ / \
 //!         0--e0---f0--1
 //! ```
@@ -46,17 +46,6 @@ pub trait CurvedTriangle {
     fn normal(&self, u: f64, v: f64, w: f64) -> DVec3;
 }
 
-/// Who makes the two new entries of an edge in a list.
-#[derive(Clone, Copy)]
-enum Side {
-    /// The first half-edge: they are made now.
-    First,
-    /// Its twin: they are there already, in the other order.
-    Second,
-    /// Its twin where the sides differ: it has its own.
-    Apart,
-}
-
 /// A list of the new mesh: the old entries, two for each edge in the order of its first half-edge,
 /// one for each face, and two more for each edge whose sides differ.
 struct TessellationList<T> {
@@ -68,7 +57,7 @@ struct TessellationList<T> {
     starts: [u32; 3],
 }
 
-impl<T: Copy> TessellationList<T> {
+impl<T: Copy + PartialEq> TessellationList<T> {
     /// Gives every new entry its number.
     fn assign_tessellation_indices(old: &[T], mesh: &HalfedgeMesh) -> Self {
         let edges = old.len() + 2 * mesh.edges() as usize;
@@ -83,26 +72,33 @@ impl<T: Copy> TessellationList<T> {
         }
     }
 
-    /// The numbers of an edge's entries, the nearer to the beginning of this half-edge first.
+    /// The numbers of the entries of a half-edge's edge, the nearer to its beginning first. The first
+    /// half-edge makes them, and its twin again where the sides differ. `of_corner` is a corner's
+    /// number in this list.
     fn edge_tess_index(
         &mut self,
-        edge: u32,
-        side: Side,
+        mesh: &HalfedgeMesh,
+        halfedge: u32,
+        of_corner: impl Fn(Corner) -> u32,
         entries: impl FnOnce() -> [T; 2],
     ) -> [u32; 2] {
-        let first = self.starts[0] + 2 * edge;
-        match side {
-            Side::First => {
-                self.entries.extend(entries());
-                [first, first + 1]
-            }
-            Side::Second => [first + 1, first],
-            Side::Apart => {
-                let first = self.starts[2] + self.apart.len() as u32;
-                self.apart.extend(entries());
-                [first, first + 1]
-            }
+        let edge = mesh.edge(halfedge);
+        let first = mesh.halfedge(edge);
+        let index = self.starts[0] + 2 * edge;
+        if halfedge == first {
+            self.entries.extend_from_slice(&entries());
+            return [index, index + 1];
         }
+        let same = |a: u32, b: u32| {
+            let [a, b] = [a, b].map(|halfedge| of_corner(mesh.corner(halfedge)));
+            a == b || self.entries[a as usize] == self.entries[b as usize]
+        };
+        if same(halfedge, mesh.next(first)) && same(mesh.next(halfedge), first) {
+            return [index + 1, index];
+        }
+        let index = self.starts[2] + self.apart.len() as u32;
+        self.apart.extend_from_slice(&entries());
+        [index, index + 1]
     }
 
     /// The number of a face's entry.
@@ -174,31 +170,27 @@ impl HalfedgeMesh {
             };
             let edges = [0, 1, 2].map(|k| {
                 let halfedge = 3 * number + k;
-                let edge = self.edge(halfedge);
                 let points = EDGES[k as usize];
-                let first = self.halfedge(edge) == halfedge;
-                let side = |is_apart: bool| match (first, is_apart) {
-                    (true, _) => Side::First,
-                    (false, false) => Side::Second,
-                    (false, true) => Side::Apart,
-                };
-                let position =
-                    positions.edge_tess_index(edge, side(false), || points.map(position));
-                let crease =
-                    !first && self.differs(halfedge, |corner| old.normals[corner.normal as usize]);
-                let normal = normals.edge_tess_index(edge, side(crease), || points.map(normal));
+                let [near, far] = positions.edge_tess_index(
+                    self,
+                    halfedge,
+                    |corner| corner.position,
+                    || points.map(position),
+                );
+                let normal = normals.edge_tess_index(
+                    self,
+                    halfedge,
+                    |corner| corner.normal,
+                    || points.map(normal),
+                );
                 let coordinate = coordinates.as_mut().map_or([Corner::NONE; 2], |list| {
-                    let seam = !first
-                        && self.differs(halfedge, |corner| {
-                            old.coordinates[corner.coordinate as usize]
-                        });
-                    list.edge_tess_index(edge, side(seam), || points.map(coordinate))
+                    let of_corner = |corner: Corner| corner.coordinate;
+                    list.edge_tess_index(self, halfedge, of_corner, || points.map(coordinate))
                 });
-                [0, 1].map(|i| Corner {
-                    position: position[i],
-                    normal: normal[i],
-                    coordinate: coordinate[i],
-                })
+                [
+                    Corner { position: near, normal: normal[0], coordinate: coordinate[0] },
+                    Corner { position: far, normal: normal[1], coordinate: coordinate[1] },
+                ]
             });
             let center = Corner {
                 position: positions.face_tess_index(position(CENTER)),
@@ -216,13 +208,6 @@ impl HalfedgeMesh {
             triangles,
         })
     }
-
-    /// Whether the sides of a half-edge's edge have different values at one of its ends.
-    fn differs<T: PartialEq>(&self, halfedge: u32, value: impl Fn(Corner) -> T) -> bool {
-        let Some(twin) = self.twin(halfedge) else { return false };
-        let value = |halfedge| value(self.corner(halfedge));
-        value(halfedge) != value(self.next(twin)) || value(self.next(halfedge)) != value(twin)
-    }
 }
 
 /// The nine parts of a triangle with so many new points; see the picture above.
@@ -231,16 +216,20 @@ fn build_tessellation_faces(
     edges: [[Corner; 2]; 3],
     center: Corner,
 ) -> [[Corner; 3]; PARTS] {
-    std::array::from_fn(|part| {
-        let k = part / 3;
-        let [near, far] = edges[k];
-        let before = edges[(k + 2) % 3][1];
-        match part % 3 {
-            0 => [corners[k], near, before],
-            1 => [near, center, before],
-            _ => [near, far, center],
-        }
-    })
+    let [a, b, c] = corners;
+    let [[e0, f0], [e1, f1], [e2, f2]] = edges;
+    let m = center;
+    [
+        [a, e0, f2],
+        [e0, m, f2],
+        [e0, f0, m],
+        [b, e1, f0],
+        [e1, m, f0],
+        [e1, f1, m],
+        [c, e2, f1],
+        [e2, m, f1],
+        [e2, f2, m],
+    ]
 }
 
 /// Refuses steps that would make more triangles than a mesh may have.
