@@ -259,3 +259,64 @@ fn sum(a: DVec3, b: DVec3, c: DVec3) -> DVec3 {
     let middle = low.max(high.min(c));
     (low.min(c) + high.max(c)) + middle
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const fn corner(position: u32) -> Corner {
+        Corner { position, normal: Corner::NONE, coordinate: Corner::NONE }
+    }
+
+    #[test]
+    fn numbers_out_of_range_are_refused() {
+        for alpha in [-0.1, 1.1, f64::NAN] {
+            assert!(Alpha::new(alpha).unwrap_err().to_string().contains("0 to 1"));
+        }
+        for degrees in [-1.0, 180.1, f64::NAN] {
+            assert!(CreaseAngle::new(degrees).unwrap_err().to_string().contains("0 to 180"));
+        }
+        assert_eq!((Alpha::default().get(), CreaseAngle::default().degrees()), (0.75, 180.0));
+    }
+
+    #[test]
+    fn bad_meshes_are_refused_by_name() {
+        let points = || vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+        let face = || vec![[corner(0), corner(1), corner(2)]];
+        let with = |k: usize, corner: Corner| {
+            let mut faces = face();
+            faces[0][k] = corner;
+            faces
+        };
+        let far = vec![DVec3::ZERO, DVec3::X, DVec3::Y * 1e16];
+        let nan = vec![DVec3::ZERO, DVec3::NAN, DVec3::Y];
+        let infinite = vec![DVec3::Z, DVec3::INFINITY];
+        let normal = with(1, Corner { normal: 2, ..corner(1) });
+        let coordinate = with(2, Corner { coordinate: 1, ..corner(2) });
+        for ((positions, normals, coordinates, triangles), words) in [
+            ((points(), vec![], vec![], vec![]), "number of triangles is 0"),
+            ((far, vec![], vec![], face()), "position 2 is"),
+            ((nan, vec![], vec![], face()), "position 1 is"),
+            ((points(), infinite, vec![], face()), "normal 1 is"),
+            ((points(), vec![], vec![DVec2::NAN], face()), "coordinates 0 is"),
+            ((points(), vec![], vec![], with(1, corner(3))), "below 3"),
+            ((points(), vec![], vec![], with(1, corner(2))), "0, 2, 2"),
+            ((points(), vec![DVec3::Z; 2], vec![], normal), "below 2"),
+            ((points(), vec![], vec![DVec2::ZERO], coordinate), "below 1"),
+        ] {
+            let mesh =
+                Mesh::new(positions, normals, coordinates, triangles, CreaseAngle::default());
+            let text = mesh.unwrap_err().to_string();
+            assert!(text.contains(words), "{text}");
+        }
+    }
+
+    #[test]
+    fn sums_are_the_same_in_any_order() {
+        let [a, b, c] = [0.1, -3.7e5, 1e-9].map(|x| DVec3::new(x, -x, 1.0 / x));
+        for other in [sum(a, c, b), sum(b, a, c), sum(b, c, a), sum(c, a, b), sum(c, b, a)] {
+            assert_eq!(sum(a, b, c), other);
+        }
+        assert!((sum(a, b, c) - (a + b + c)).length() < 1e-6);
+    }
+}

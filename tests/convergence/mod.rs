@@ -128,11 +128,11 @@ were derived for an edge of a sphere, whose normals make the angle 2θ:
 - Curved PN triangles raise it by ½·sin²θ·cos θ, as Phong tessellation does at α = ½. What is left is
   3θ⁴/8: half the edges, a sixteenth of the distance, and 4/(3θ²) times nearer than the flat edge.
 
-Coarse meshes show less of it, because their triangles are deeper in the middle. On the torus, whose
-curvature changes along edges, terms of third order remain, and the last halving gains a factor of
-12 instead of 16. Drawn in triangles at level n, the facets add what the flat triangles are off over
-n². Steps that are repeated keep the points that earlier ones found, so they do not tend to the
-surface but to about what the smooth surface over the first mesh is off.
+In the middle of triangles all are further off, at the same rates. On the torus, whose curvature
+changes, less symmetric terms remain: the last halving gains a factor of 12 instead of 16.
+Drawn in triangles at level n, the facets add what the flat triangles are off over n². Steps that are
+repeated keep the points that earlier ones found, so they do not tend to the surface but to about what
+the smooth surface over the first mesh is off.
 ";
 
 fn row(text: &mut String, name: &str, values: &[f64], flat: &[f64]) {
