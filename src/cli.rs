@@ -5,14 +5,15 @@ mod info;
 mod measure;
 mod output;
 mod render;
+mod smooth;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use freeform_surface::{
-    Backend, Error, Method, NewtonTrims, Normals, Samples, Scene, TessLevel, Tessellation,
-    Tolerance,
+    Alpha, Backend, CreaseAngle, Error, Method, NewtonTrims, Normals, Samples, Scene, TessLevel,
+    Tessellation, Tolerance,
 };
 
 use exr::AovFile;
@@ -36,6 +37,8 @@ enum Command {
     Render(RenderArguments),
     /// Measure how far pictures of scenes are from their surfaces, pixel by pixel.
     Measure(MeasureArguments),
+    /// Smooth a triangle mesh: every step makes nine triangles of each.
+    Smooth(SmoothArguments),
     /// Print the OpenGL driver and the limits that the program relies on.
     Info(InfoArguments),
 }
@@ -177,6 +180,44 @@ impl LookArguments {
 }
 
 #[derive(Debug, Args)]
+struct SmoothArguments {
+    /// The mesh, a Wavefront OBJ file.
+    #[arg(value_name = "IN.obj")]
+    input: PathBuf,
+
+    /// On what surfaces the new points lie: pn (curved PN triangles) or phong (Phong tessellation).
+    #[arg(long, value_name = "METHOD")]
+    method: SmoothMethod,
+
+    /// How far Phong tessellation moves points towards the tangent planes, 0 to 1; otherwise 0.75.
+    #[arg(long, value_name = "A", value_parser = alpha, allow_negative_numbers = true)]
+    alpha: Option<Alpha>,
+
+    /// How many times, 1 to 8.
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true,
+          value_parser = clap::value_parser!(u32).range(1..=8))]
+    steps: u32,
+
+    /// Where normals are missing: the angle between triangles, 0 to 180, beyond which their edge
+    /// stays a crease; otherwise 180, which leaves none.
+    #[arg(long, value_name = "D", value_parser = crease_angle, allow_negative_numbers = true)]
+    crease_degrees: Option<CreaseAngle>,
+
+    /// The file to write; "-" for standard output.
+    #[arg(short, long, value_name = "OUT.obj")]
+    output: PathBuf,
+}
+
+/// What `freeform smooth` smooths by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum SmoothMethod {
+    /// Curved PN triangles.
+    Pn,
+    /// Phong tessellation.
+    Phong,
+}
+
+#[derive(Debug, Args)]
 struct InfoArguments {
     /// Where the OpenGL context comes from: auto, egl or osmesa.
     #[arg(long, value_name = "BACKEND", default_value_t)]
@@ -210,6 +251,20 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
         .ok()
         .and_then(|tolerance| Tolerance::new(tolerance).ok())
         .ok_or_else(|| "expected a number of pixels from 0.01 to 100".into())
+}
+
+fn alpha(text: &str) -> Result<Alpha, String> {
+    text.parse()
+        .ok()
+        .and_then(|alpha| Alpha::new(alpha).ok())
+        .ok_or_else(|| "expected a number from 0 to 1".into())
+}
+
+fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
+    text.parse()
+        .ok()
+        .and_then(|degrees| CreaseAngle::new(degrees).ok())
+        .ok_or_else(|| "expected a number of degrees from 0 to 180".into())
 }
 
 fn level(text: &str) -> Result<TessLevel, String> {
@@ -263,6 +318,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
             render::all(arguments, &outputs)
         }
         Some(Command::Measure(arguments)) => measure::all(arguments),
+        Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
         Some(Command::Info(arguments)) => {
             info::print(arguments.backend).map_err(|error| vec![error])
         }

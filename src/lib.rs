@@ -43,6 +43,7 @@
 //! | matrices | column vectors, glam's layout; `f64` on the CPU, `f32` in shaders |
 //! | control points | row by row, u along a row, v from row to row; (x, y, z, weight) |
 //! | domain | (u, v) in \[0, 1\]² for each patch; trims are given in it |
+//! | meshes | triangles counter-clockwise from outside; half-edge 3·t + k of triangle t begins at its corner k |
 //! | pictures on surfaces | the first row of pixels is v = 1; 8-bit values are taken as they are, no sRGB |
 //! | rendered pictures | the first row is the upper one; alpha is 1 where a surface is |
 //! | angles | radians, unless the name says degrees |
@@ -70,6 +71,7 @@ pub mod gpu;
 #[cfg(feature = "headless")]
 mod headless;
 pub mod measure;
+mod mesh;
 pub mod reference;
 pub mod renderer;
 mod scene;
@@ -86,6 +88,10 @@ pub use camera::{Camera, Lens, Projection};
 pub use error::{Error, Result};
 #[cfg(feature = "headless")]
 pub use headless::{Backend, Headless};
+pub use mesh::{
+    Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
+    SmoothTriangle, Smoothing, smooth,
+};
 pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
     Cull, Image, Method, Normals, Paint, RenderSettings, Samples, Scene, Shading, Surface,

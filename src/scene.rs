@@ -2,6 +2,7 @@
 
 mod bpt;
 mod document;
+mod obj;
 mod tables;
 mod texture;
 

@@ -1,6 +1,6 @@
 //! AOVs as OpenEXR files of 32-bit floats: which of them go where.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write as _};
 use std::path::PathBuf;
 
 use freeform_surface::{AovKind, Aovs, Error, Result};
@@ -75,7 +75,8 @@ impl AovFile {
         OpenExrEncoder::new(&mut bytes)
             .write_image(pixels, width, height, ExtendedColorType::Rgba32F)
             .map_err(|error| fail(error.to_string()))?;
-        replace(&self.path, bytes.get_ref()).map_err(|error| fail(error.to_string()))
+        replace(&self.path, |file| file.write_all(bytes.get_ref()))
+            .map_err(|error| fail(error.to_string()))
     }
 }
 

@@ -3,7 +3,8 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::io::Write as _;
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use freeform_surface::{Error, Image, Result};
@@ -124,7 +125,7 @@ impl Output {
                 let mut out = std::io::stdout().lock();
                 out.write_all(&bytes).and_then(|()| out.flush())
             }
-            Self::File(path) => replace(path, &bytes),
+            Self::File(path) => replace(path, |file| file.write_all(&bytes)),
         }
         .map_err(|error| fail(error.to_string()))
     }
@@ -162,14 +163,22 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
 }
 
 /// Writes beside `path` and renames.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+pub(super) fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+) -> std::io::Result<()> {
     // A link stays a link: its target is replaced.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.part", std::process::id()));
     let part = path.with_file_name(name);
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
+    let write_part = || {
+        let mut file = BufWriter::new(File::create(&part)?);
+        write(&mut file)?;
+        file.flush()
+    };
+    write_part().and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
         // The file may not exist; what went wrong is already known.
         let _ = std::fs::remove_file(&part);
     })

@@ -48,7 +48,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
 }
 
 /// At most 20 characters, so that a binary file makes no page of an error.
-fn shortened(word: &str) -> String {
+pub(super) fn shortened(word: &str) -> String {
     word.chars().take(20).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 

@@ -1,0 +1,13 @@
+//! How near curved PN triangles and Phong tessellation come to a sphere and a torus, compared with
+//! the flat triangles of the same mesh.
+//!
+//! `cargo run --release --example mesh_convergence` prints `docs/mesh-convergence.md`.
+
+#[path = "../tests/convergence/mod.rs"]
+mod convergence;
+#[path = "../tests/shapes/mod.rs"]
+mod shapes;
+
+fn main() {
+    print!("{}", convergence::document());
+}

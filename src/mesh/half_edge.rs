@@ -1,0 +1,297 @@
+//! Who is next to whom in a mesh.
+//!
+//! ```text
+//!                 2
+//!                / \            half-edge 3·t + k of triangle t runs from its corner k to the next;
+//!     3t + 2    /   \  3t + 1   its twin runs the other way in the neighbour. An edge is a pair of
+//!              /  t  \          twins, or a half-edge at a border; its first half-edge is the one
+//!             0-------1         of the lower number.
+//!               3t + 0
+//! ```
+
+use glam::DVec3;
+
+use super::{Corner, Mesh, Smoothing, normals};
+use crate::{Error, Result};
+
+/// No twin: the half-edge is at a border.
+const NONE: u32 = u32::MAX;
+
+/// The next half-edge of the same triangle.
+pub(super) const fn next(halfedge: u32) -> u32 {
+    if halfedge % 3 == 2 { halfedge - 2 } else { halfedge + 1 }
+}
+
+/// The half-edges of a list of triangles, by number.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Connectivity {
+    /// The twin of each half-edge, or [`NONE`].
+    twins: Vec<u32>,
+    /// The edge of each half-edge.
+    edges: Vec<u32>,
+    /// The first half-edge of each edge, ascending.
+    halfedges: Vec<u32>,
+}
+
+impl Connectivity {
+    /// Pairs the half-edges that have both positions in common.
+    ///
+    /// # Errors
+    /// An edge of more than two triangles, or of two that run through it in the same direction.
+    pub(super) fn new(positions: &[DVec3], triangles: &[[Corner; 3]]) -> Result<Self> {
+        let ends = |halfedge: u32| {
+            let (triangle, k) = (halfedge as usize / 3, halfedge as usize % 3);
+            let corners = &triangles[triangle];
+            (corners[k].position, corners[(k + 1) % 3].position)
+        };
+        let count = 3 * triangles.len() as u32;
+        // Half-edges lie in buckets by the lower of their positions.
+        let mut starts = vec![0_u32; positions.len() + 1];
+        for halfedge in 0..count {
+            let (from, to) = ends(halfedge);
+            starts[from.min(to) as usize + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
+        // The higher position and the half-edge in one number, which is what they are sorted by.
+        let mut buckets = vec![0_u64; count as usize];
+        for halfedge in 0..count {
+            let (from, to) = ends(halfedge);
+            let place = &mut starts[from.min(to) as usize];
+            buckets[*place as usize] = u64::from(from.max(to)) << 32 | u64::from(halfedge);
+            *place += 1;
+        }
+        let mut twins = vec![NONE; count as usize];
+        let mut start = 0;
+        // Each bucket was filled up to its end.
+        for end in &starts[..positions.len()] {
+            let bucket = &mut buckets[start..*end as usize];
+            start = *end as usize;
+            bucket.sort_unstable();
+            for edge in bucket.chunk_by(|a, b| a >> 32 == b >> 32) {
+                let first = edge[0] as u32;
+                match *edge {
+                    [_] => {}
+                    [_, second] if ends(first).0 != ends(second as u32).0 => {
+                        twins[first as usize] = second as u32;
+                        twins[second as u32 as usize] = first;
+                    }
+                    _ => return Err(non_manifold(positions, ends(first), edge.len())),
+                }
+            }
+        }
+        Ok(Self::of_twins(twins))
+    }
+
+    /// The half-edges after a step, whose triangles have fixed places among the nine of each old one.
+    fn tessellated(&self) -> Self {
+        // Half-edge `i` of the part `part` of the three at corner `k`.
+        let of =
+            |triangle: u32, k: u32, part: u32, i: u32| 27 * triangle + 9 * (k % 3) + 3 * part + i;
+        // The three thirds of an old half-edge.
+        let third = |halfedge: u32, third: u32| {
+            let (triangle, k) = (halfedge / 3, halfedge % 3);
+            match third {
+                0 => of(triangle, k, 0, 0),
+                1 => of(triangle, k, 2, 0),
+                _ => of(triangle, k + 1, 0, 2),
+            }
+        };
+        let mut twins = vec![NONE; 9 * self.twins.len()];
+        let mut pair = |a: u32, b: u32| {
+            twins[a as usize] = b;
+            twins[b as usize] = a;
+        };
+        for halfedge in 0..self.twins.len() as u32 {
+            let (triangle, k) = (halfedge / 3, halfedge % 3);
+            pair(of(triangle, k, 0, 1), of(triangle, k, 1, 2));
+            pair(of(triangle, k, 1, 0), of(triangle, k, 2, 2));
+            pair(of(triangle, k + 1, 1, 1), of(triangle, k, 2, 1));
+        }
+        for (halfedge, twin) in self.pairs() {
+            for part in 0..3 {
+                pair(third(halfedge, part), third(twin, 2 - part));
+            }
+        }
+        Self::of_twins(twins)
+    }
+
+    /// Half-edges with their twins, each pair once.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        (0..)
+            .zip(&self.twins)
+            .filter(|(_, twin)| **twin != NONE)
+            .map(|(a, b)| (a, *b))
+            .filter(|(a, b)| a < b)
+    }
+
+    /// Numbers the edges in the order of their first half-edges.
+    fn of_twins(twins: Vec<u32>) -> Self {
+        let mut edges = vec![0; twins.len()];
+        let mut halfedges = Vec::with_capacity(twins.len() / 2 + 1);
+        for (halfedge, twin) in twins.iter().enumerate() {
+            edges[halfedge] = if *twin < halfedge as u32 {
+                edges[*twin as usize]
+            } else {
+                halfedges.push(halfedge as u32);
+                halfedges.len() as u32 - 1
+            };
+        }
+        Self { twins, edges, halfedges }
+    }
+}
+
+fn non_manifold(positions: &[DVec3], (from, to): (u32, u32), triangles: usize) -> Error {
+    let vertex = |index: u32| format!("{} {}", index + 1, positions[index as usize]);
+    let which = if triangles == 2 { "2 triangles that run the same way" } else { "triangles" };
+    let count = if triangles == 2 { String::new() } else { format!("{triangles} ") };
+    Error::invalid(
+        format!("the edge between vertices {} and {}", vertex(from), vertex(to)),
+        format!("part of {count}{which}"),
+        "an edge of one triangle, or of two that run through it in opposite directions",
+    )
+}
+
+/// What the smooth surface over a triangle is made of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SmoothTriangle {
+    /// The corners.
+    pub positions: [DVec3; 3],
+    /// The normals of the corners, for shading: unit vectors, or zero.
+    pub normals: [DVec3; 3],
+    /// For the edge from corner k to the next: the normals at its ends that shape it. Neighbours
+    /// have the same.
+    pub edge_normals: [[DVec3; 2]; 3],
+}
+
+/// A mesh whose triangles know their neighbours.
+///
+/// It may have borders and several components, and triangles that touch in a vertex alone. Normals
+/// and texture coordinates are of no concern to what is connected.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HalfedgeMesh {
+    mesh: Mesh,
+    connectivity: Connectivity,
+}
+
+impl HalfedgeMesh {
+    /// Finds the neighbours.
+    ///
+    /// # Errors
+    /// An edge of more than two triangles, or of two that run through it in the same direction.
+    /// Names its vertices, counted from 1 as in files, and where they are.
+    pub fn new(mesh: Mesh) -> Result<Self> {
+        let connectivity = Connectivity::new(mesh.positions(), mesh.triangles())?;
+        Ok(Self { mesh, connectivity })
+    }
+
+    /// The mesh.
+    #[must_use]
+    pub const fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// The mesh alone.
+    #[must_use]
+    pub fn into_mesh(self) -> Mesh {
+        self.mesh
+    }
+
+    /// The number of half-edges: three for each triangle.
+    #[must_use]
+    pub const fn halfedges(&self) -> u32 {
+        self.connectivity.twins.len() as u32
+    }
+
+    /// The number of edges.
+    #[must_use]
+    pub const fn edges(&self) -> u32 {
+        self.connectivity.halfedges.len() as u32
+    }
+
+    /// The half-edge that runs the other way in the neighbour; none at a border.
+    #[must_use]
+    pub fn twin(&self, halfedge: u32) -> Option<u32> {
+        Some(self.connectivity.twins[halfedge as usize]).filter(|twin| *twin != NONE)
+    }
+
+    /// The next half-edge of the same triangle.
+    #[must_use]
+    pub const fn next(&self, halfedge: u32) -> u32 {
+        next(halfedge)
+    }
+
+    /// The position that the half-edge begins at.
+    #[must_use]
+    pub fn vertex(&self, halfedge: u32) -> u32 {
+        self.corner(halfedge).position
+    }
+
+    /// The edge of the half-edge.
+    #[must_use]
+    pub fn edge(&self, halfedge: u32) -> u32 {
+        self.connectivity.edges[halfedge as usize]
+    }
+
+    /// The triangle of the half-edge.
+    #[must_use]
+    pub const fn face(&self, halfedge: u32) -> u32 {
+        halfedge / 3
+    }
+
+    /// The first half-edge of an edge.
+    #[must_use]
+    pub fn halfedge(&self, edge: u32) -> u32 {
+        self.connectivity.halfedges[edge as usize]
+    }
+
+    /// The mesh after a step, whose neighbours follow from those of this one. Beside
+    /// [`HalfedgeMesh::tessellate`] it is what further steps need.
+    ///
+    /// # Errors
+    /// More than [`Mesh::MAX_TRIANGLES`].
+    pub fn step(&self, smoothing: Smoothing) -> Result<Self> {
+        let mesh = self.tessellate(smoothing)?;
+        Ok(Self { mesh, connectivity: self.connectivity.tessellated() })
+    }
+
+    /// The corner that the half-edge begins at.
+    pub(super) fn corner(&self, halfedge: u32) -> Corner {
+        self.mesh.triangles[halfedge as usize / 3][halfedge as usize % 3]
+    }
+
+    /// For each triangle and its edge from corner k to the next, the normals at the two ends that
+    /// shape the edge.
+    ///
+    /// Where both sides have the same normal it is that one; at a crease the sum of the two, made
+    /// unit, or zero (which makes the edge straight there) if they are opposite. So both sides have
+    /// the same, bit for bit.
+    #[must_use]
+    pub fn edge_normals(&self) -> Vec<[[DVec3; 2]; 3]> {
+        (0..self.halfedges() / 3).map(|triangle| self.triangle(triangle).edge_normals).collect()
+    }
+
+    /// What the smooth surface over a triangle is made of.
+    #[must_use]
+    pub fn triangle(&self, triangle: u32) -> SmoothTriangle {
+        let corners = &self.mesh.triangles[triangle as usize];
+        SmoothTriangle {
+            positions: corners.map(|corner| self.mesh.positions[corner.position as usize]),
+            normals: corners.map(|corner| self.mesh.normals[corner.normal as usize]),
+            edge_normals: [0, 1, 2].map(|k| self.normals_along(3 * triangle + k)),
+        }
+    }
+
+    /// The normals that shape an edge, at the beginning and the end of a half-edge of it.
+    fn normals_along(&self, halfedge: u32) -> [DVec3; 2] {
+        let ends = [halfedge, self.next(halfedge)];
+        let of_twin = self.twin(halfedge).map_or(ends, |twin| [self.next(twin), twin]);
+        [0, 1].map(|end| {
+            let [own, other] =
+                [ends[end], of_twin[end]].map(|end| self.corner(end).normal as usize);
+            let normals = self.mesh.normals();
+            if own == other { normals[own] } else { normals::between(normals[own], normals[other]) }
+        })
+    }
+}

@@ -1,0 +1,169 @@
+//! Normals: what becomes of those that are given, and those that are missing.
+
+use std::cmp::Ordering;
+
+use glam::{DVec3, DVec4};
+
+use super::half_edge::{Connectivity, next};
+use super::{Corner, CreaseAngle, Mesh, sum};
+use crate::Result;
+
+/// A sum of unit vectors that is shorter than this has no direction: what is left of it may be
+/// rounding alone.
+const VANISHED: f64 = 1e-8;
+/// A normal whose squared length is this near to 1 keeps its bits, so that meshes which are written
+/// and read again stay the same.
+const UNIT: f64 = 1e-14;
+
+/// A triangle whose longest side is 1 and whose area is less than this has no area: what is left of
+/// it may be rounding alone.
+const NO_AREA: f64 = 1e-14;
+
+/// A given normal as a unit vector, zero as zero; none if it is not finite.
+pub(super) fn unit(normal: DVec3) -> Option<DVec3> {
+    if (normal.length_squared() - 1.0).abs() <= UNIT {
+        return Some(normal);
+    }
+    // Scaled first, because squares of very long and very short ones are out of range.
+    let scale = normal.abs().max_element();
+    normal.is_finite().then(|| if scale > 0.0 { (normal / scale).normalize() } else { DVec3::ZERO })
+}
+
+/// The direction of a sum of unit vectors; none if it vanishes.
+pub(super) fn direction(sum: DVec3) -> Option<DVec3> {
+    let length = sum.length();
+    (length > VANISHED).then(|| sum / length)
+}
+
+/// The normal that two sides of an edge have in common at one of its ends.
+pub(super) fn between(own: DVec3, other: DVec3) -> DVec3 {
+    if own == other { own } else { direction(own + other).unwrap_or(DVec3::ZERO) }
+}
+
+/// The part of a vector along a unit vector (or zero).
+pub(super) fn along(vector: DVec3, unit: DVec3) -> DVec3 {
+    unit * vector.dot(unit)
+}
+
+/// The mean of three vectors by weights, the same for corners in any order.
+pub(super) fn mean([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
+    sum(a * u, b * v, c * w)
+}
+
+/// The sides of a triangle, from each corner to the next, scaled so that products of them are in
+/// range; none if it is a point.
+fn sides([a, b, c]: [DVec3; 3]) -> Option<[DVec3; 3]> {
+    let sides = [b - a, c - b, a - c];
+    let scale = sides.map(|side| side.abs().max_element()).into_iter().fold(0.0, f64::max);
+    (scale > 0.0).then(|| sides.map(|side| side / scale))
+}
+
+/// The unit normal of a triangle; zero if it has no area.
+fn of_face(corners: [DVec3; 3]) -> DVec3 {
+    let Some([ab, bc, ca]) = sides(corners) else { return DVec3::ZERO };
+    let cross = sum(ab.cross(bc), bc.cross(ca), ca.cross(ab));
+    if cross.length() > NO_AREA { cross.normalize() } else { DVec3::ZERO }
+}
+
+/// The angles of a triangle, in radians; zeros if it is a point.
+fn angles(corners: [DVec3; 3]) -> [f64; 3] {
+    let Some(sides) = sides(corners) else { return [0.0; 3] };
+    [0, 1, 2].map(|k| angle(sides[k], -sides[(k + 2) % 3]))
+}
+
+fn angle(a: DVec3, b: DVec3) -> f64 {
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+/// The normal for shading where nothing better is known: those of the corners interpolated; where
+/// that vanishes the triangle's own; where it has none, up.
+pub(super) fn shading(normals: [DVec3; 3], positions: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
+    direction(mean(normals, weights)).or_else(|| direction(of_face(positions))).unwrap_or(DVec3::Z)
+}
+
+/// Computes the normals of corners that have none: the mean of the faces around the position,
+/// weighted by their angles there (Thürmer, Wüthrich 1998), as far as no crease is between.
+pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) -> Result<()> {
+    if mesh.triangles.iter().flatten().all(|corner| corner.normal != Corner::NONE) {
+        return Ok(());
+    }
+    let faces: Vec<DVec3> =
+        mesh.triangles.iter().map(|corners| of_face(positions_of(mesh, corners))).collect();
+    let (groups, count) = if crease == CreaseAngle::default() {
+        let positions = mesh.triangles.iter().flatten().map(|corner| corner.position);
+        (positions.collect(), mesh.positions.len())
+    } else {
+        groups(mesh, &faces, crease)?
+    };
+    // Summed in the order of their values, so that the order of the triangles does not matter.
+    let mut shares: Vec<(u32, DVec4)> = Vec::with_capacity(groups.len());
+    for (triangle, corners) in mesh.triangles.iter().enumerate() {
+        for (k, angle) in angles(positions_of(mesh, corners)).into_iter().enumerate() {
+            shares.push((groups[3 * triangle + k], (faces[triangle] * angle).extend(angle)));
+        }
+    }
+    shares.sort_unstable_by(|(group, a), (other, b)| {
+        let values = || a.to_array().into_iter().zip(b.to_array());
+        let order = values().map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
+        group.cmp(other).then(order.unwrap_or(Ordering::Equal))
+    });
+    let first = mesh.normals.len();
+    mesh.normals.resize(first + count, DVec3::ZERO);
+    for group in shares.chunk_by(|a, b| a.0 == b.0) {
+        let sum: DVec4 = group.iter().map(|(_, share)| *share).sum();
+        let normal = direction(sum.truncate() / sum.w).unwrap_or(DVec3::ZERO);
+        mesh.normals[first + group[0].0 as usize] = normal;
+    }
+    for (corner, group) in mesh.triangles.iter_mut().flatten().zip(groups) {
+        if corner.normal == Corner::NONE {
+            corner.normal = first as u32 + group;
+        }
+    }
+    Ok(())
+}
+
+fn positions_of(mesh: &Mesh, corners: &[Corner; 3]) -> [DVec3; 3] {
+    corners.map(|corner| mesh.positions[corner.position as usize])
+}
+
+/// For every corner the number of the corners that it shares a normal with: those it reaches around
+/// its position without a crease. Beside them how many numbers there are.
+fn groups(mesh: &Mesh, faces: &[DVec3], crease: CreaseAngle) -> Result<(Vec<u32>, usize)> {
+    let connectivity = Connectivity::new(&mesh.positions, &mesh.triangles)?;
+    let mut parents: Vec<u32> = (0..3 * faces.len() as u32).collect();
+    for (halfedge, twin) in connectivity.pairs() {
+        let [a, b] = [halfedge, twin].map(|halfedge| faces[halfedge as usize / 3]);
+        if angle(a, b).to_degrees() <= crease.degrees() {
+            join(&mut parents, halfedge, next(twin));
+            join(&mut parents, next(halfedge), twin);
+        }
+    }
+    let mut numbers = vec![Corner::NONE; parents.len()];
+    let mut count = 0;
+    for corner in 0..parents.len() {
+        // A root has the lowest number of its group, so it comes first.
+        let root = root(&mut parents, corner as u32) as usize;
+        if root == corner {
+            numbers[corner] = count;
+            count += 1;
+        } else {
+            numbers[corner] = numbers[root];
+        }
+    }
+    Ok((numbers, count as usize))
+}
+
+/// The corner that stands for the group of another.
+fn root(parents: &mut [u32], mut corner: u32) -> u32 {
+    while parents[corner as usize] != corner {
+        let above = parents[parents[corner as usize] as usize];
+        parents[corner as usize] = above;
+        corner = above;
+    }
+    corner
+}
+
+fn join(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
+}

@@ -1,0 +1,259 @@
+//! One step of smoothing: every triangle becomes nine, with two new points on each edge and one in
+//! the middle. Names follow *Tessellation in Scotty3D*, the course project that this is a port of.
+//!
+//! ```text
+//!               2
+//!              / \              ek near corner k of edge k, fk far from it, m the middle.
+//!            e2---f1            For each corner: the triangle at it, the one between its two
+//!            / \ / \            edge points and the middle, the one on the middle third of
+//!          f2---m---e1          the edge that begins there.
+//!          / \ / \ / \
+//!         0--e0---f0--1
+//! ```
+//!
+//! Barycentric coordinates of the new points are constants. To compute them from positions again is
+//! what made the course project's pictures break.
+
+use glam::{DVec2, DVec3};
+
+use super::normals::mean;
+use super::{
+    Alpha, Corner, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
+};
+use crate::{Error, Result};
+
+/// Triangles that one becomes.
+const PARTS: usize = 9;
+const THIRD: f64 = 1.0 / 3.0;
+const CENTER: [f64; 3] = [THIRD; 3];
+/// Barycentric coordinates of the two points of each edge.
+const EDGES: [[[f64; 3]; 2]; 3] = {
+    const TWO: f64 = 2.0 / 3.0;
+    [
+        [[TWO, THIRD, 0.0], [THIRD, TWO, 0.0]],
+        [[0.0, TWO, THIRD], [0.0, THIRD, TWO]],
+        [[THIRD, 0.0, TWO], [TWO, 0.0, THIRD]],
+    ]
+};
+
+/// A surface over a triangle.
+pub trait CurvedTriangle {
+    /// The point at barycentric coordinates of sum 1. Where one of them is zero, neighbours have
+    /// the same point to the last bit.
+    fn position(&self, u: f64, v: f64, w: f64) -> DVec3;
+
+    /// The normal for shading at barycentric coordinates of sum 1: always a unit vector.
+    fn normal(&self, u: f64, v: f64, w: f64) -> DVec3;
+}
+
+/// A list of the new mesh: the old entries, two for each edge in the order of its first half-edge,
+/// one for each face, and two more for each edge whose sides differ.
+struct TessellationList<T> {
+    /// Old entries and those of edges.
+    entries: Vec<T>,
+    faces: Vec<T>,
+    apart: Vec<T>,
+    /// Number of the first entry of edges, of faces, and of what is apart.
+    starts: [u32; 3],
+}
+
+impl<T: Copy + PartialEq> TessellationList<T> {
+    /// Gives every new entry its number.
+    fn assign_tessellation_indices(old: &[T], mesh: &HalfedgeMesh) -> Self {
+        let edges = old.len() + 2 * mesh.edges() as usize;
+        let faces = mesh.mesh().triangles.len();
+        let mut entries = Vec::with_capacity(edges + faces);
+        entries.extend_from_slice(old);
+        Self {
+            entries,
+            faces: Vec::with_capacity(faces),
+            apart: Vec::new(),
+            starts: [old.len(), edges, edges + faces].map(|start| start as u32),
+        }
+    }
+
+    /// The numbers of the entries of a half-edge's edge, the nearer to its beginning first. The first
+    /// half-edge makes them, and its twin again where the sides differ. `of_corner` is a corner's
+    /// number in this list.
+    fn edge_tess_index(
+        &mut self,
+        mesh: &HalfedgeMesh,
+        halfedge: u32,
+        of_corner: impl Fn(Corner) -> u32,
+        entries: impl FnOnce() -> [T; 2],
+    ) -> [u32; 2] {
+        let edge = mesh.edge(halfedge);
+        let first = mesh.halfedge(edge);
+        let index = self.starts[0] + 2 * edge;
+        if halfedge == first {
+            self.entries.extend_from_slice(&entries());
+            return [index, index + 1];
+        }
+        let same = |a: u32, b: u32| {
+            let [a, b] = [a, b].map(|halfedge| of_corner(mesh.corner(halfedge)));
+            a == b || self.entries[a as usize] == self.entries[b as usize]
+        };
+        if same(halfedge, mesh.next(first)) && same(mesh.next(halfedge), first) {
+            return [index + 1, index];
+        }
+        let index = self.starts[2] + self.apart.len() as u32;
+        self.apart.extend_from_slice(&entries());
+        [index, index + 1]
+    }
+
+    /// The number of a face's entry.
+    fn face_tess_index(&mut self, entry: T) -> u32 {
+        self.faces.push(entry);
+        self.starts[1] + self.faces.len() as u32 - 1
+    }
+
+    /// The whole list.
+    fn build_tessellation_list(mut self) -> Vec<T> {
+        self.entries.append(&mut self.faces);
+        self.entries.append(&mut self.apart);
+        self.entries
+    }
+}
+
+impl HalfedgeMesh {
+    /// The mesh of one step.
+    ///
+    /// Its points lie on the surfaces over this mesh's triangles: first the old ones, then two for
+    /// each edge, the nearer to the beginning of its first half-edge first, then one for each face.
+    /// Normals and texture coordinates come in the same order; what differs between the sides of an
+    /// edge follows at the end. Triangles are in the order of those that they are parts of.
+    ///
+    /// # Errors
+    /// More than [`Mesh::MAX_TRIANGLES`].
+    pub fn tessellate(&self, smoothing: Smoothing) -> Result<Mesh> {
+        match smoothing {
+            Smoothing::None => self.phong(Alpha::NONE),
+            Smoothing::Pn => self.pn_triangle(),
+            Smoothing::Phong(alpha) => self.phong(alpha),
+        }
+    }
+
+    /// The mesh of one step on curved PN triangles; see [`HalfedgeMesh::tessellate`].
+    ///
+    /// # Errors
+    /// More than [`Mesh::MAX_TRIANGLES`].
+    pub fn pn_triangle(&self) -> Result<Mesh> {
+        self.tessellate_on(PnTriangle::new)
+    }
+
+    /// The mesh of one step of Phong tessellation; see [`HalfedgeMesh::tessellate`].
+    ///
+    /// # Errors
+    /// More than [`Mesh::MAX_TRIANGLES`].
+    pub fn phong(&self, alpha: Alpha) -> Result<Mesh> {
+        self.tessellate_on(|triangle| PhongTriangle::new(triangle, alpha))
+    }
+
+    fn tessellate_on<S: CurvedTriangle>(
+        &self,
+        surface: impl Fn(&SmoothTriangle) -> S,
+    ) -> Result<Mesh> {
+        let old = self.mesh();
+        check_size(old.triangles.len(), 1)?;
+        let mut positions = TessellationList::assign_tessellation_indices(&old.positions, self);
+        let mut normals = TessellationList::assign_tessellation_indices(&old.normals, self);
+        let mut coordinates = (!old.coordinates.is_empty())
+            .then(|| TessellationList::assign_tessellation_indices(&old.coordinates, self));
+        let mut triangles = Vec::with_capacity(PARTS * old.triangles.len());
+        for (number, corners) in (0..).zip(&old.triangles) {
+            let surface = surface(&self.triangle(number));
+            let position = |[u, v, w]: [f64; 3]| surface.position(u, v, w);
+            let normal = |[u, v, w]: [f64; 3]| surface.normal(u, v, w);
+            let coordinate = |weights: [f64; 3]| -> DVec2 {
+                let of_corners = corners.map(|corner| old.coordinates[corner.coordinate as usize]);
+                mean(of_corners.map(|coordinate| coordinate.extend(0.0)), weights).truncate()
+            };
+            let edges = [0, 1, 2].map(|k| {
+                let halfedge = 3 * number + k;
+                let points = EDGES[k as usize];
+                let [near, far] = positions.edge_tess_index(
+                    self,
+                    halfedge,
+                    |corner| corner.position,
+                    || points.map(position),
+                );
+                let normal = normals.edge_tess_index(
+                    self,
+                    halfedge,
+                    |corner| corner.normal,
+                    || points.map(normal),
+                );
+                let coordinate = coordinates.as_mut().map_or([Corner::NONE; 2], |list| {
+                    let of_corner = |corner: Corner| corner.coordinate;
+                    list.edge_tess_index(self, halfedge, of_corner, || points.map(coordinate))
+                });
+                [
+                    Corner { position: near, normal: normal[0], coordinate: coordinate[0] },
+                    Corner { position: far, normal: normal[1], coordinate: coordinate[1] },
+                ]
+            });
+            let center = Corner {
+                position: positions.face_tess_index(position(CENTER)),
+                normal: normals.face_tess_index(normal(CENTER)),
+                coordinate: coordinates
+                    .as_mut()
+                    .map_or(Corner::NONE, |list| list.face_tess_index(coordinate(CENTER))),
+            };
+            triangles.extend_from_slice(&build_tessellation_faces(*corners, edges, center));
+        }
+        Ok(Mesh {
+            positions: positions.build_tessellation_list(),
+            normals: normals.build_tessellation_list(),
+            coordinates: coordinates.map_or(Vec::new(), TessellationList::build_tessellation_list),
+            triangles,
+        })
+    }
+}
+
+/// The nine parts of a triangle with so many new points; see the picture above.
+fn build_tessellation_faces(
+    corners: [Corner; 3],
+    edges: [[Corner; 2]; 3],
+    center: Corner,
+) -> [[Corner; 3]; PARTS] {
+    let [a, b, c] = corners;
+    let [[e0, f0], [e1, f1], [e2, f2]] = edges;
+    let m = center;
+    [
+        [a, e0, f2],
+        [e0, m, f2],
+        [e0, f0, m],
+        [b, e1, f0],
+        [e1, m, f0],
+        [e1, f1, m],
+        [c, e2, f1],
+        [e2, m, f1],
+        [e2, f2, m],
+    ]
+}
+
+/// Refuses steps that would make more triangles than a mesh may have.
+fn check_size(triangles: usize, steps: u32) -> Result<()> {
+    let count = PARTS.checked_pow(steps).and_then(|parts| triangles.checked_mul(parts));
+    if count.is_some_and(|count| count <= Mesh::MAX_TRIANGLES) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        "number of triangles after smoothing",
+        format!("{triangles} · 9^{steps}"),
+        format!("at most {}: fewer steps, or a smaller mesh", Mesh::MAX_TRIANGLES),
+    ))
+}
+
+/// So many steps of smoothing, one on the other.
+///
+/// # Errors
+/// What [`HalfedgeMesh::new`] refuses; more than [`Mesh::MAX_TRIANGLES`].
+pub fn smooth(mesh: Mesh, smoothing: Smoothing, steps: u32) -> Result<Mesh> {
+    check_size(mesh.triangles.len(), steps)?;
+    let mut coarse = HalfedgeMesh::new(mesh)?;
+    for _ in 1..steps {
+        coarse = coarse.step(smoothing)?;
+    }
+    if steps == 0 { Ok(coarse.into_mesh()) } else { coarse.tessellate(smoothing) }
+}
