@@ -3,6 +3,7 @@
 
 mod aovs;
 mod drawing;
+mod meshes;
 mod prepared;
 pub mod programs;
 mod smooth;
@@ -48,7 +49,7 @@ pub struct Frame {
 ///
 /// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
 /// rasterizer discard or program point size; filled polygons; the patch size; the textures of units
-/// 0 to 4 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no
+/// 0 to 6 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no
 /// buffer texture. Uploading a picture sets
 /// plain pixel transfers. All other state is the caller's and holds for what is drawn: framebuffer,
 /// viewport, scissor, colour mask and logic operation, depth range and clip control, polygon offset,
@@ -59,6 +60,7 @@ pub struct Renderer {
     programs: HashMap<ProgramKey, Program>,
     points_array: VertexArray,
     parts_array: VertexArray,
+    corners_array: VertexArray,
     draw_size: DrawSize,
 }
 
@@ -89,6 +91,7 @@ impl Renderer {
             programs: HashMap::new(),
             points_array: VertexArray::of_points(gl)?,
             parts_array: VertexArray::of_parts(gl)?,
+            corners_array: VertexArray::of_corners(gl)?,
             draw_size: draw_size(gl),
         })
     }
@@ -368,6 +371,7 @@ impl Renderer {
     fn release(&self) {
         self.points_array.unbind();
         self.parts_array.unbind();
+        self.corners_array.unbind();
         // SAFETY: the context is current (see the type).
         unsafe {
             self.gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);

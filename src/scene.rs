@@ -2,6 +2,7 @@
 
 mod bpt;
 mod document;
+mod model;
 mod obj;
 mod tables;
 mod texture;
@@ -14,8 +15,11 @@ use glam::{DMat4, DVec3, DVec4, dvec2, dvec3};
 
 use crate::bezier::check_control_point;
 use crate::camera::Projection;
-use crate::{Camera, Circle, Degree, Error, Newton, Patch, Result, Trims};
+use crate::{
+    Camera, Circle, CreaseAngle, Degree, Error, Mesh, Newton, Patch, Result, Smoothing, Trims,
+};
 
+pub use model::MeshModel;
 pub use texture::load_texture;
 
 /// A picture that is laid over the domain of a surface; its first row is v = 1.
@@ -37,6 +41,8 @@ pub struct Scene {
     pub settings: RenderSettings,
     /// What is drawn, in this order.
     pub surfaces: Vec<Surface>,
+    /// What is drawn after the surfaces.
+    pub meshes: Vec<MeshModel>,
 }
 
 /// How a scene is drawn.
@@ -105,6 +111,9 @@ pub struct TessLevel(u32);
 impl TessLevel {
     /// The highest level.
     pub const MAX: Self = Self(64);
+
+    /// The lowest: patches and triangles stay as they are.
+    pub const ONE: Self = Self(1);
 
     /// A level from a number that may be none.
     ///
@@ -396,7 +405,7 @@ pub fn default_control_points() -> Vec<DVec4> {
 }
 
 impl Scene {
-    /// Reads a `.toml` or `.bpt` file.
+    /// Reads a `.toml`, `.bpt` or `.obj` file.
     ///
     /// # Errors
     /// A file that cannot be read, is of another kind, or does not describe a scene; with the line.
@@ -404,9 +413,10 @@ impl Scene {
         match extension(path).as_str() {
             "toml" => Self::from_toml(&read_text(path)?, path),
             "bpt" => Self::from_bpt(&read_text(path)?, path),
+            "obj" => Self::of_mesh(Mesh::load_obj(path, CreaseAngle::default())?, path),
             // What is not there or no file at all is said first.
             other => Err(check_is_file(path).err().unwrap_or_else(|| {
-                let reason = format!("a scene is a .toml or .bpt file, not \"{other}\"");
+                let reason = format!("a scene is a .toml, .bpt or .obj file, not \"{other}\"");
                 unreadable(path, reason)
             })),
         }
@@ -451,12 +461,26 @@ impl Scene {
             up: DVec3::Y,
             settings: RenderSettings::default(),
             surfaces: vec![surface],
+            meshes: Vec::new(),
         }
     }
 
+    /// A mesh as it is, its normals interpolated: what the file says.
+    fn of_mesh(mesh: Mesh, path: &Path) -> Result<Self> {
+        let model =
+            MeshModel::new(mesh, Smoothing::None).map_err(|error| unreadable(path, error))?;
+        Ok(Self { up: DVec3::Y, meshes: vec![model], ..Self::of_patches(Vec::new(), path) })
+    }
+
     fn of_patches(surfaces: Vec<Surface>, path: &Path) -> Self {
-        let files = vec![path.to_owned()];
-        Self { files, camera: None, up: DVec3::Z, settings: RenderSettings::default(), surfaces }
+        Self {
+            files: vec![path.to_owned()],
+            camera: None,
+            up: DVec3::Z,
+            settings: RenderSettings::default(),
+            surfaces,
+            meshes: Vec::new(),
+        }
     }
 
     /// The matrices of a picture of so many pixels.
@@ -464,6 +488,7 @@ impl Scene {
     pub fn projection(&self, width: u32, height: u32) -> Projection {
         let aspect = f64::from(width) / f64::from(height);
         let points = self.surfaces.iter().flat_map(Surface::world_points);
+        let points = points.chain(self.meshes.iter().flat_map(MeshModel::world_hull));
         self.camera.unwrap_or_else(|| self.framed(aspect)).projection(points, aspect)
     }
 
@@ -475,6 +500,7 @@ impl Scene {
         let patches: usize = self.surfaces.iter().map(|surface| surface.patches().len()).sum();
         let side = (SAMPLES / patches.max(1)).isqrt().clamp(2, 17);
         let points = self.surfaces.iter().flat_map(|surface| surface.samples(side));
+        let points = points.chain(self.meshes.iter().flat_map(MeshModel::samples));
         if self.settings.control_points {
             let control_points = self.surfaces.iter().flat_map(Surface::world_points);
             Camera::framing(points.chain(control_points), self.up, aspect)

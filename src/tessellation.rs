@@ -2,17 +2,19 @@
 //!
 //! `bound.rs` tells how many triangles keep a patch within a tolerance on the screen, `edges.rs` which
 //! patches are neighbours, `parts.rs` what the drivers and the trims ask for, `shape.rs` where normals
-//! are, and `plan.rs` puts it all together once a frame.
+//! are, and `plan.rs` puts it all together once a frame. `triangle.rs` bounds the smooth triangles of meshes.
 
 mod bound;
 mod edges;
 mod parts;
 mod plan;
 mod shape;
+mod triangle;
 
 pub(crate) use bound::{Rounding, Screen};
 pub(crate) use edges::{EdgeSource, EdgeTable};
 pub(crate) use parts::{DrawSize, FixedParts, Parts, TrimParts, parts_of_next_draw};
 pub use plan::FrameFigures;
-pub(crate) use plan::{Lists, Part, Plan, SurfacePatches};
+pub(crate) use plan::{Lists, Part, Plan, SurfacePatches, raise};
 pub(crate) use shape::{Eye, Shape};
+pub(crate) use triangle::{TriangleBound, triangles_of_triangle, vertices_of_triangle};

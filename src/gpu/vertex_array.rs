@@ -1,4 +1,4 @@
-//! The layouts of vertices: control points, and parts of patches.
+//! The layouts of vertices: control points, parts of patches, and corners of triangles.
 
 use std::sync::Arc;
 
@@ -27,13 +27,38 @@ impl VertexArray {
     /// The driver has no vertex array.
     pub fn of_points(gl: &Arc<glow::Context>) -> Result<Self> {
         let array = Self::new(gl, "control points", 16)?;
-        // SAFETY: the context is current (see the module); the array is ours.
-        unsafe {
-            gl.enable_vertex_array_attrib(array.raw, 0);
-            gl.vertex_array_attrib_format_f32(array.raw, 0, 4, glow::FLOAT, false, 0);
-            gl.vertex_array_attrib_binding_f32(array.raw, 0, 0);
+        array.floats(0, 4, 0);
+        Ok(array)
+    }
+
+    /// Corners of triangles: attributes 0 and 1 are a `vec4`, 2 and 3 a `vec3`.
+    ///
+    /// # Errors
+    /// The driver has no vertex array.
+    pub fn of_corners(gl: &Arc<glow::Context>) -> Result<Self> {
+        let array = Self::new(gl, "corners of triangles", 56)?;
+        for (attribute, components, offset) in [(0, 4, 0), (1, 4, 16), (2, 3, 32), (3, 3, 44)] {
+            array.floats(attribute, components, offset);
         }
         Ok(array)
+    }
+
+    /// An attribute of so many floats that begins so many bytes into a vertex.
+    fn floats(&self, attribute: u32, components: i32, offset: u32) {
+        let gl = &self.gl;
+        // SAFETY: the context is current (see the module); the array is ours.
+        unsafe {
+            gl.enable_vertex_array_attrib(self.raw, attribute);
+            gl.vertex_array_attrib_format_f32(
+                self.raw,
+                attribute,
+                components,
+                glow::FLOAT,
+                false,
+                offset,
+            );
+            gl.vertex_array_attrib_binding_f32(self.raw, attribute, 0);
+        }
     }
 
     /// Parts of patches: attributes 0 and 1 are a `uvec4` each.

@@ -41,10 +41,10 @@ pub(crate) struct Drawing {
 
 /// What a plan was made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Seen {
-    projection: Projection,
-    size: UVec2,
-    tessellation: Tessellation,
+pub(super) struct Seen {
+    pub(super) projection: Projection,
+    pub(super) size: UVec2,
+    pub(super) tessellation: Tessellation,
 }
 
 /// What parts of several patches have in common.
@@ -264,8 +264,10 @@ impl Drawing {
                 rest = &rest[count..];
             }
         }
-        let texels: Vec<Vec4> =
-            surfaces.iter().flat_map(|surface| matrices(surface, &seen.projection)).collect();
+        let texels: Vec<Vec4> = surfaces
+            .iter()
+            .flat_map(|surface| matrices(&surface.points_to_world(), &seen.projection))
+            .collect();
         match &self.matrices {
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
                 matrices.buffer().write(0, &texels);
@@ -304,9 +306,10 @@ fn eye_in_model(projection: &Projection, model: &DMat4) -> Eye {
     }
 }
 
-/// The matrices of a surface in the order of `exact/surface.tese`.
-fn matrices(surface: &FreeFormSurface, projection: &Projection) -> [Vec4; MATRIX_TEXELS] {
-    let to_view = projection.view * surface.points_to_world();
+/// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to clip
+/// space and to view space, and what turns cross products of them into view space.
+pub(super) fn matrices(points_to_world: &DMat4, projection: &Projection) -> [Vec4; MATRIX_TEXELS] {
+    let to_view = projection.view * *points_to_world;
     let to_clip = projection.projection * to_view;
     let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);
     // The cross product of transformed tangents is the matrix of cofactors times that of the tangents.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::meshes::PreparedMesh;
 use super::programs::Output;
 use super::{Drawing, Frame, Renderer};
 use crate::gpu::{Target, Texture};
@@ -14,6 +15,7 @@ use crate::{FrameFigures, FreeFormSurface, Paint, Result, Scene, Surface};
 #[derive(Debug)]
 pub struct PreparedScene {
     surfaces: Vec<FreeFormSurface>,
+    meshes: Vec<PreparedMesh>,
     drawing: Drawing,
     figures: FrameFigures,
 }
@@ -25,33 +27,31 @@ impl PreparedScene {
     /// Trims out of their range, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
         let gl = renderer.gl();
-        let mut surfaces = Vec::with_capacity(scene.surfaces.len());
-        if scene.surfaces.is_empty() {
-            return Ok(Self::of(surfaces));
-        }
-        let centerings = centerings(scene);
-        let points: Vec<_> =
-            scene.surfaces.iter().map(Surface::control_points).zip(centerings).collect();
         let mut textures: Vec<(&Paint, Arc<Texture>)> = Vec::new();
-        let uploaded = ControlPoints::upload(gl, &points)?;
-        for (surface, points) in scene.surfaces.iter().zip(uploaded) {
-            let paint = &surface.paint;
-            let known = textures.iter().find(|(other, _)| same(other, paint));
-            let texture = match known {
-                Some((_, texture)) => Arc::clone(texture),
-                None => {
-                    let texture = Arc::new(paint.upload(gl)?);
-                    textures.push((paint, Arc::clone(&texture)));
-                    texture
-                }
-            };
-            surfaces.push(FreeFormSurface::with_points(surface.clone(), texture, points)?);
+        let mut texture = |paint| match textures.iter().find(|(other, _)| same(other, paint)) {
+            Some((_, texture)) => Ok(Arc::clone(texture)),
+            None => {
+                let texture = Arc::new(paint.upload(gl)?);
+                textures.push((paint, Arc::clone(&texture)));
+                Result::Ok(texture)
+            }
+        };
+        let mut surfaces = Vec::with_capacity(scene.surfaces.len());
+        if !scene.surfaces.is_empty() {
+            let centerings = centerings(scene);
+            let points: Vec<_> =
+                scene.surfaces.iter().map(Surface::control_points).zip(centerings).collect();
+            let uploaded = ControlPoints::upload(gl, &points)?;
+            for (surface, points) in scene.surfaces.iter().zip(uploaded) {
+                let texture = texture(&surface.paint)?;
+                surfaces.push(FreeFormSurface::with_points(surface.clone(), texture, points)?);
+            }
         }
-        Ok(Self::of(surfaces))
-    }
-
-    fn of(surfaces: Vec<FreeFormSurface>) -> Self {
-        Self { surfaces, drawing: Drawing::default(), figures: FrameFigures::default() }
+        let mut meshes = Vec::with_capacity(scene.meshes.len());
+        for model in &scene.meshes {
+            meshes.push(PreparedMesh::new(gl, model, texture(&model.paint)?)?);
+        }
+        Ok(Self { surfaces, meshes, drawing: Drawing::default(), figures: FrameFigures::default() })
     }
 
     pub(super) const fn for_drawing(&mut self) -> (&mut Vec<FreeFormSurface>, &mut Drawing) {
@@ -65,8 +65,24 @@ impl PreparedScene {
         output: Output,
     ) -> Result<()> {
         let (surfaces, drawing) = (&mut self.surfaces, &mut self.drawing);
-        self.figures = renderer.draw_together(surfaces, drawing, frame, output)?;
+        let mut figures = renderer.draw_together(surfaces, drawing, frame, output)?;
+        self.update_meshes(renderer, frame)?;
+        for mesh in &self.meshes {
+            renderer.draw_mesh(mesh, frame, output, figures.patches, None)?;
+            figures.add(&mesh.figures());
+        }
+        self.figures = figures;
         Ok(())
+    }
+
+    pub(super) fn update_meshes(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
+        let target = Target::bound(renderer.gl());
+        let (gl, size) = (renderer.gl(), renderer.draw_size());
+        self.meshes.iter_mut().try_for_each(|mesh| mesh.update(gl, frame, &target, size))
+    }
+
+    pub(super) fn meshes(&self) -> &[PreparedMesh] {
+        &self.meshes
     }
 
     /// What the last drawing drew.
@@ -88,7 +104,8 @@ impl PreparedScene {
     pub fn prepare(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
         let target = Target::bound(renderer.gl());
         let (gl, size) = (renderer.gl(), renderer.draw_size());
-        self.drawing.update(gl, &mut self.surfaces, frame, target.size, size)
+        self.drawing.update(gl, &mut self.surfaces, frame, target.size, size)?;
+        self.update_meshes(renderer, frame)
     }
 
     /// Clears the bound framebuffer and draws the scene into it.

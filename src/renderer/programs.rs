@@ -67,6 +67,16 @@ pub mod location {
     pub const FIRST_PATCH: u32 = 25;
     /// `viewport`.
     pub const VIEWPORT: u32 = 26;
+    /// `toClip`.
+    pub const TO_CLIP: u32 = 27;
+    /// `toView`.
+    pub const TO_VIEW: u32 = 28;
+    /// `normalToView`.
+    pub const NORMAL_TO_VIEW: u32 = 29;
+    /// `alpha`.
+    pub const ALPHA: u32 = 30;
+    /// `firstTriangle`.
+    pub const FIRST_TRIANGLE: u32 = 31;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.
@@ -79,6 +89,8 @@ pub const TRIM_WORDS_UNIT: u32 = 1;
 pub const CONTROL_POINTS_UNIT: u32 = 3;
 /// Texture unit of `surfaces`.
 pub const SURFACES_UNIT: u32 = 4;
+/// Texture unit of `levels`; the next is bound beside it.
+pub const LEVELS_UNIT: u32 = 5;
 
 /// Which stages draw something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -97,6 +109,11 @@ pub enum Pipeline {
         degenerate: bool,
         /// Where normals are evaluated.
         normals: Normals,
+    },
+    /// Smooth triangles of meshes.
+    Triangles {
+        /// Phong tessellation, or else curved PN triangles.
+        phong: bool,
     },
     /// Control points as squares.
     Points,
@@ -243,9 +260,10 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 19] = glsl![
+const FILES: [(&str, &str); 23] = glsl![
     "common/aov.geom",
     "common/aov.frag",
+    "common/levels.glsl",
     "common/normal.frag",
     "common/phong.glsl",
     "common/trim.glsl",
@@ -263,6 +281,9 @@ const FILES: [(&str, &str); 19] = glsl![
     "report/surface.tese",
     "report/surface.frag",
     "report/points.vert",
+    "triangles/triangle.vert",
+    "triangles/triangle.tesc",
+    "triangles/triangle.tese",
 ];
 
 /// The texts of the shaders: the library's own, or others in their place.
@@ -339,6 +360,16 @@ impl Sources {
                     (Fragment, "exact/surface.frag"),
                 ],
             ),
+            Pipeline::Triangles { .. } => (
+                "smooth triangles",
+                3,
+                &[
+                    (Vertex, "triangles/triangle.vert"),
+                    (TessControl, "triangles/triangle.tesc"),
+                    (TessEvaluation, "triangles/triangle.tese"),
+                    (Fragment, "exact/surface.frag"),
+                ],
+            ),
             Pipeline::Points => (
                 "control points",
                 1,
@@ -355,6 +386,9 @@ impl Sources {
             pixel_normals = normals == Normals::Pixel && (aov || key.shading != Shading::Unlit);
             let on = [("DEGENERATE", degenerate), ("PIXEL_NORMALS", pixel_normals)];
             defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
+        }
+        if key.pipeline == (Pipeline::Triangles { phong: true }) {
+            defines.push(("PHONG_TESSELLATION", 1));
         }
         if key.output != Output::Picture {
             defines.push(("AOV", 1));
@@ -374,12 +408,16 @@ impl Sources {
             .chain(numbers)
             .map(|(kind, file)| {
                 let exact = matches!(key.pipeline, Pipeline::Exact { .. });
+                let triangles = matches!(key.pipeline, Pipeline::Triangles { .. });
                 let mut parts = Vec::with_capacity(5);
+                if *kind == TessEvaluation && (exact || triangles) {
+                    parts.push(self.part("common/levels.glsl"));
+                }
                 if exact && (*kind == TessEvaluation || *kind == Fragment && pixel_normals) {
                     parts.push(self.part("exact/patch.glsl"));
                 }
                 if *kind == Fragment {
-                    if exact && (pixel_normals || !aov) {
+                    if exact && (pixel_normals || !aov) || triangles && !aov {
                         parts.push(self.part("common/normal.frag"));
                     }
                     if key.shading == Shading::Phong && !aov {

@@ -21,7 +21,7 @@ pub struct DrawnVertex {
     pub position: [f32; 4],
     /// View space, unit length, Sv × Su.
     pub normal: [f32; 3],
-    /// Place in the domain.
+    /// Place in the domain; of a mesh's triangle the weights of its second and third corner.
     pub uv: [f32; 2],
     /// The patch's number in the scene.
     pub patch: u32,
@@ -50,6 +50,12 @@ impl PreparedScene {
         drawing.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
         let output = Output::Triangles;
         renderer.draw_exact(surfaces, drawing, &frame, &target, output, Some(&mut kept))?;
+        let mut patches = drawing.figures().patches;
+        self.update_meshes(renderer, &frame)?;
+        for mesh in self.meshes() {
+            renderer.draw_mesh(mesh, &frame, output, patches, Some(&mut kept))?;
+            patches += mesh.figures().patches;
+        }
         Ok(kept)
     }
 }

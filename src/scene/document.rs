@@ -9,18 +9,19 @@ use glam::{DMat4, DVec2, DVec3, EulerRot};
 use toml::Spanned;
 
 use super::tables::{
-    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, RenderTable, ShadingName,
-    SurfaceTable, TrimTable,
+    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
+    ShadingName, SmoothingName, SurfaceTable, TrimTable,
 };
 use super::{
-    Cull, Image, Method, Paint, RenderSettings, Samples, Scene, Shading, Surface, TessLevel,
+    Cull, Image, MeshModel, Method, Paint, RenderSettings, Samples, Scene, Surface, TessLevel,
     Tessellation, Tolerance, bpt, default_control_points, line_of, load_texture, read_text,
+    unreadable,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
 use crate::{
-    Camera, Circle, Degree, Ellipse, Error, Interval, Keep, Newton, NewtonTrims, Result, Segment,
-    TrimLoop, Trims,
+    Alpha, Camera, Circle, CreaseAngle, Degree, Ellipse, Error, Interval, Keep, Mesh, Newton,
+    NewtonTrims, Result, Segment, Smoothing, TrimLoop, Trims,
 };
 
 /// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond
@@ -39,6 +40,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
     let mut camera = None;
     let mut settings = None;
     let mut surfaces = Vec::new();
+    let mut meshes = Vec::new();
     let mut loop_places = Vec::new();
     for chunk in chunks(text) {
         builder.chunk = chunk.start;
@@ -50,9 +52,12 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
             loop_places.extend(new.iter().map(|_| places.clone()));
             surfaces.extend(new);
         }
+        for table in document.mesh {
+            meshes.push(builder.mesh(table)?);
+        }
     }
-    if surfaces.is_empty() {
-        let nothing = Error::invalid("scene", "empty", "at least one [[surface]]");
+    if surfaces.is_empty() && meshes.is_empty() {
+        let nothing = Error::invalid("scene", "empty", "at least one [[surface]] or [[mesh]]");
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
@@ -63,16 +68,16 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
             builder.check_for_thesis(&surface.trims, places)?;
         }
     }
-    Ok(Scene { files: builder.files, camera, up: DVec3::Y, settings, surfaces })
+    Ok(Scene { files: builder.files, camera, up: DVec3::Y, settings, surfaces, meshes })
 }
 
-/// The text before the first line `[[surface]]`, then from each such line to the next.
+/// The text before the first line `[[surface]]` or `[[mesh]]`, then from each such line to the next.
 fn chunks(text: &str) -> Vec<Range<usize>> {
     let mut starts = vec![0];
     let mut offset = 0;
     for line in text.split_inclusive('\n') {
         let header = line.split('#').next().unwrap_or_default().trim();
-        if offset > 0 && header == "[[surface]]" {
+        if offset > 0 && matches!(header, "[[surface]]" | "[[mesh]]") {
             starts.push(offset);
         }
         offset += line.len();
@@ -221,11 +226,7 @@ impl Builder<'_> {
         for surface in &mut surfaces {
             surface.transform = transform;
             surface.paint = paint.clone();
-            surface.shading = match table.shading {
-                ShadingName::Phong => Shading::Phong,
-                ShadingName::Texture | ShadingName::Flat => Shading::Unlit,
-                ShadingName::Normals => Shading::Normals,
-            };
+            surface.shading = table.shading.into();
             surface.cull = match table.cull {
                 CullName::None => Cull::None,
                 CullName::Back => Cull::Back,
@@ -256,6 +257,37 @@ impl Builder<'_> {
         }
         first.trims = trims;
         Ok((surfaces, loop_places))
+    }
+
+    fn mesh(&mut self, table: Spanned<MeshTable>) -> Result<MeshModel> {
+        let start = table.span().start;
+        let table = table.into_inner();
+        let smoothing = match (table.smoothing, table.alpha) {
+            (SmoothingName::Phong, alpha) => {
+                let alpha = alpha.map(|alpha| self.check(alpha, Alpha::new)).transpose()?;
+                Smoothing::Phong(alpha.unwrap_or_default())
+            }
+            (_, Some(alpha)) => {
+                let error = Error::invalid("alpha", alpha.as_ref(), "none but with \"phong\"");
+                return Err(self.at(alpha.span().start, error));
+            }
+            (SmoothingName::Pn, None) => Smoothing::Pn,
+            (SmoothingName::None, None) => Smoothing::None,
+        };
+        let crease = table.crease_degrees.map(|angle| self.check(angle, CreaseAngle::new));
+        let crease = crease.transpose()?.unwrap_or_default();
+        let path = self.beside_scene(table.file.get_ref());
+        let mut model = self.check(table.file, |_| {
+            let mesh = Mesh::load_obj(&path, crease)?;
+            MeshModel::new(mesh, smoothing).map_err(|error| unreadable(&path, error))
+        })?;
+        self.files.push(path);
+        model.level = table.level.map(|level| self.check(level, TessLevel::new)).transpose()?;
+        model.paint = self.paint(table.texture, table.color, table.shading)?;
+        model.shading = table.shading.into();
+        model.transform = transform(table.translate, table.rotate_degrees, table.scale)
+            .map_err(|error| self.at(start, error))?;
+        Ok(model)
     }
 
     fn paint(

@@ -5,6 +5,8 @@ use serde::Deserialize;
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
+use super::Shading;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
@@ -12,6 +14,8 @@ pub(super) struct Document {
     pub(super) render: Option<Spanned<RenderTable>>,
     #[serde(default)]
     pub(super) surface: Vec<Spanned<SurfaceTable>>,
+    #[serde(default)]
+    pub(super) mesh: Vec<Spanned<MeshTable>>,
 }
 
 #[derive(Deserialize)]
@@ -72,6 +76,33 @@ pub(super) struct SurfaceTable {
     pub(super) trim: Vec<Spanned<TrimTable>>,
 }
 
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshTable {
+    pub(super) file: Spanned<String>,
+    #[serde(default)]
+    pub(super) smoothing: SmoothingName,
+    pub(super) alpha: Option<Spanned<f64>>,
+    pub(super) level: Option<Spanned<i64>>,
+    pub(super) crease_degrees: Option<Spanned<f64>>,
+    pub(super) texture: Option<Spanned<String>>,
+    pub(super) color: Option<Spanned<[f32; 3]>>,
+    #[serde(default)]
+    pub(super) shading: ShadingName,
+    pub(super) translate: Option<DVec3Value>,
+    pub(super) rotate_degrees: Option<DVec3Value>,
+    pub(super) scale: Option<f64>,
+}
+
+#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SmoothingName {
+    #[default]
+    None,
+    Pn,
+    Phong,
+}
+
 #[derive(Deserialize, Default, Clone, Copy, PartialEq)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum KeepName {
@@ -96,6 +127,16 @@ pub(super) enum ShadingName {
     Texture,
     Flat,
     Normals,
+}
+
+impl From<ShadingName> for Shading {
+    fn from(name: ShadingName) -> Self {
+        match name {
+            ShadingName::Phong => Self::Phong,
+            ShadingName::Texture | ShadingName::Flat => Self::Unlit,
+            ShadingName::Normals => Self::Normals,
+        }
+    }
 }
 
 #[derive(Deserialize)]

@@ -37,7 +37,7 @@ impl Centering {
     }
 
     /// A control point as the driver gets it: homogeneous.
-    fn apply(self, point: DVec4) -> Vec4 {
+    pub(crate) fn apply(self, point: DVec4) -> Vec4 {
         homogeneous(((point.truncate() - self.center) / self.scale).extend(point.w)).as_vec4()
     }
 }

@@ -50,6 +50,14 @@ impl Screen {
     pub(crate) const fn tolerance(&self) -> f64 {
         self.tolerance
     }
+
+    pub(super) const fn half(&self) -> DVec2 {
+        self.half
+    }
+
+    pub(super) const fn near(&self) -> f64 {
+        self.near
+    }
 }
 
 /// How far rounding in `f32` can move a point of a surface, for one picture: clip coordinates are off
@@ -69,6 +77,11 @@ impl Rounding {
         let size = DVec4::new(extent, extent, extent, 1.0);
         let error = |row: DVec4| ROUNDING_UNIT * row.abs().dot(size);
         Self { x: error(to_clip.row(0)), y: error(to_clip.row(1)), w: error(to_clip.row(3)) }
+    }
+
+    /// The same on the screen at a clip w of 1, in pixels.
+    pub(super) fn pixels(&self, screen: &Screen) -> f64 {
+        (screen.half * DVec2::new(self.x + self.w, self.y + self.w)).length()
     }
 }
 
@@ -228,15 +241,9 @@ impl<const N: usize> ClipNet<N> {
         let extent = 2.0 * screen.half * seen.reach / seen.px;
         let extent = extent.length().min(2.0 * screen.half.length());
         let interpolation = ROUNDING_UNIT * depth_ratio * extent;
-        let rounding =
-            (screen.half * DVec2::new(rounding.x + rounding.w, rounding.y + rounding.w)).length();
         Bound {
-            curvature: Curvature {
-                uu: second * uu,
-                uv: degree * degree * uv,
-                vv: second * vv,
-            },
-            rounding: rounding / depth + interpolation,
+            curvature: Curvature { uu: second * uu, uv: degree * degree * uv, vv: second * vv },
+            rounding: rounding.pixels(screen) / depth + interpolation,
             depth_ratio,
             extent,
             crosses_near,
@@ -273,7 +280,7 @@ impl<const N: usize> ClipNet<N> {
 }
 
 /// What is seen of differences of control points.
-struct Seen {
+pub(super) struct Seen {
     /// Pixels for a unit.
     px: DVec2,
     /// The middle of the ranges of x/w and y/w.
@@ -284,7 +291,7 @@ struct Seen {
 
 impl Seen {
     /// For ranges [least, greatest] of x/w and y/w.
-    fn new(px: DVec2, [[left, right], [bottom, top]]: [[f64; 2]; 2]) -> Self {
+    pub(super) fn new(px: DVec2, [[left, right], [bottom, top]]: [[f64; 2]; 2]) -> Self {
         let (low, high) = (DVec2::new(left, bottom), DVec2::new(right, top));
         // Rounding of the middle must not shorten them.
         const WIDER: f64 = 1e-15;
@@ -292,7 +299,7 @@ impl Seen {
     }
 
     /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
-    fn across_near(screen: &Screen, near: f64) -> Self {
+    pub(super) fn across_near(screen: &Screen, near: f64) -> Self {
         let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
         // Each axis by itself stays within 1/√2 of the tolerance.
         let px = screen.half * std::f64::consts::SQRT_2 / near;
@@ -305,6 +312,12 @@ impl Seen {
     fn squared(&self, x: f64, y: f64, w: f64) -> f64 {
         let (x, y) = (x.abs() + self.reach.x * w.abs(), y.abs() + self.reach.y * w.abs());
         x * x + y * y
+    }
+
+    /// The same of a difference in clip space.
+    pub(super) fn squared_of(&self, x: f64, y: f64, w: f64) -> f64 {
+        let about = (DVec2::new(x, y) - self.middle * w) * self.px;
+        self.squared(about.x, about.y, w)
     }
 }
 

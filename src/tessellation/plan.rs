@@ -21,7 +21,7 @@ use super::edges::{EdgeTable, SIDES};
 use super::parts::{FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
 use crate::{Degree, TessLevel};
-use halving::{Leaf, raise};
+use halving::Leaf;
 
 /// The most cells along a part that OpenGL draws.
 const MOST_CELLS: u32 = 64;
@@ -91,7 +91,7 @@ pub(crate) struct SurfacePatches<'a> {
 /// What a frame drew.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameFigures {
-    /// Patches of the scene.
+    /// Patches of the scene, and triangles of its meshes.
     pub patches: usize,
     /// Those of which nothing was drawn: out of sight, cut away, or facing away where that is asked for.
     pub culled: usize,
@@ -105,6 +105,27 @@ pub struct FrameFigures {
     /// The same if it is above the tolerance because a limit was reached: of 2¹³ cells a side, or of
     /// what 32-bit floats can tell apart.
     pub unmet: Option<f64>,
+}
+
+impl FrameFigures {
+    /// Adds what else was drawn.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.patches += other.patches;
+        self.culled += other.culled;
+        self.triangles += other.triangles;
+        self.draws += other.draws;
+        let bounds = [&mut self.largest_bound, &mut self.unmet];
+        for (own, other) in bounds.into_iter().zip([other.largest_bound, other.unmet]) {
+            if let Some(other) = other {
+                raise(own, other);
+            }
+        }
+    }
+}
+
+/// Keeps the larger number.
+pub(crate) fn raise(most: &mut Option<f64>, value: f64) {
+    *most = Some(most.map_or(value, |most| most.max(value)));
 }
 
 /// What is decided about a patch.

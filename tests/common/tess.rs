@@ -109,7 +109,7 @@ pub fn at_level(level: i64) -> RenderSettings {
 
 pub fn scene_of(surfaces: Vec<Surface>) -> Scene {
     let settings = within(0.5);
-    Scene { files: Vec::new(), camera: None, up: DVec3::Z, settings, surfaces }
+    Scene { files: Vec::new(), camera: None, up: DVec3::Z, settings, surfaces, meshes: Vec::new() }
 }
 
 /// A bicubic field of `side` × `side` patches over squares of size 1: control points at every third,

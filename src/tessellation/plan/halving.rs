@@ -1,6 +1,6 @@
 //! Patches in parts: halved until each part needs few cells, or is not seen.
 
-use super::{MOST_CELLS, Plan, State};
+use super::{MOST_CELLS, Plan, State, raise};
 use crate::tessellation::bound::{Bound, ClipNet, Rounding, Screen};
 
 /// Cells a side beyond which a patch is drawn in parts. Parts have bounds of their own, and what is not
@@ -145,11 +145,6 @@ impl Plan {
         state.first_cell = first as u32;
         state.cells = [0; 2];
     }
-}
-
-/// Keeps the larger number.
-pub(super) fn raise(most: &mut Option<f64>, value: f64) {
-    *most = Some(most.map_or(value, |most| most.max(value)));
 }
 
 /// The levels that a part needs.

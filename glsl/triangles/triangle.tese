@@ -1,0 +1,100 @@
+// The vertices of a smooth triangle. Keep in step with src/mesh/pn.rs and src/mesh/phong.rs.
+//
+// All edges are cut as finely as the inside. Where an edge has a lower level, its vertices move to the
+// level's places, towards the middle, so that both sides of it have the same (src/tessellation/triangle.rs).
+
+layout(triangles, equal_spacing, ccw) in;
+
+layout(location = 25) uniform int firstPatch;
+layout(location = 27) uniform mat4 toClip;
+layout(location = 28) uniform mat4 toView;
+layout(location = 29) uniform mat4 normalToView;
+
+in vec4 normalOfTriangle[];
+
+patch in uint triangle;
+patch in uint levelsOfTriangle;
+#ifdef PHONG_TESSELLATION
+patch in vec3 edgeMiddles[3];
+#else
+patch in vec3 edgeThirds[6];
+patch in vec3 middle;
+patch in vec3 edgeNormals[3];
+#endif
+
+layout(location = 0) out vec3 passNormal;    // view space, unit length
+layout(location = 1) out vec2 passTessCoord; // texture coordinates; with AOV u and v
+layout(location = 2) out vec4 position;      // view space
+#ifdef AOV
+layout(location = 3) flat out uint passPatch;
+#endif
+
+// Weights of the corners: on an edge a whole number of its levels.
+vec3 weights()
+{
+    vec3 at = gl_TessCoord;
+    ivec4 level = ivec4(uvec4(levelsOfTriangle) >> uvec4(0, 8, 16, 24) & 0xffu);
+    if (at.z == 0.0)
+        at.yx = along(at.y, level.w, level.x, 0, 1);
+    else if (at.x == 0.0)
+        at.zy = along(at.z, level.w, level.y, 0, 1);
+    else if (at.y == 0.0)
+        at.xz = along(at.x, level.w, level.z, 0, 1);
+    return at;
+}
+
+// Three of something by weights. On an edge one term is zero, and the order of the others does not matter.
+vec3 mean(vec3 a, vec3 b, vec3 c, vec3 by)
+{
+    precise vec3 sum = (a * by.x + b * by.y) + c * by.z;
+    return sum;
+}
+
+#ifndef PHONG_TESSELLATION
+vec3 edge(int k, float s, float t)
+{
+    precise vec3 moved = edgeThirds[2 * k] * (3.0 * s * s * t) + edgeThirds[2 * k + 1] * (3.0 * t * t * s);
+    return moved;
+}
+#endif
+
+void main()
+{
+    vec3 at = weights();
+    vec3 a = gl_in[0].gl_Position.xyz, b = gl_in[1].gl_Position.xyz, c = gl_in[2].gl_Position.xyz;
+    vec3 normalA = normalOfTriangle[0].xyz, normalB = normalOfTriangle[1].xyz;
+    vec3 normalC = normalOfTriangle[2].xyz;
+    vec3 linear = mean(normalA, normalB, normalC, at);
+#ifdef PHONG_TESSELLATION
+    precise vec3 products = vec3(2.0 * at.x * at.y, 2.0 * at.y * at.z, 2.0 * at.z * at.x);
+    precise vec3 moved = mean(edgeMiddles[0], edgeMiddles[1], edgeMiddles[2], products);
+    vec3 normal = linear;
+#else
+    precise vec3 edges = (edge(0, at.x, at.y) + edge(1, at.y, at.z)) + edge(2, at.z, at.x);
+    precise vec3 moved = edges + middle * (6.0 * at.x * at.y * at.z);
+    vec3 normal = mean(normalA, normalB, normalC, at * at)
+        + mean(edgeNormals[0], edgeNormals[1], edgeNormals[2], at * at.yzx);
+    // Opposite normals: what is linear, then what is flat.
+    normal = dot(normal, normal) > 1e-8 ? normal : linear;
+#endif
+    vec3 flatNormal = cross(b - a, c - a);
+    float area = dot(flatNormal, flatNormal);
+    normal = dot(normal, normal) > 1e-8 ? normal : area > 0.0 ? flatNormal * inversesqrt(area) : vec3(0.0);
+    normal = mat3(normalToView) * normal;
+    float size = dot(normal, normal);
+    passNormal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
+    precise vec4 point = vec4(mean(a, b, c, at) + moved, 1.0);
+    position = toView * point;
+    precise vec4 clip = toClip * point;
+    gl_Position = clip;
+#ifdef AOV
+    passTessCoord = at.yz;
+    passPatch = uint(firstPatch) + triangle;
+    // As surfaces have it: into the triangle.
+    passNormal = -passNormal;
+#else
+    passTessCoord = at.x * vec2(gl_in[0].gl_Position.w, normalOfTriangle[0].w)
+        + at.y * vec2(gl_in[1].gl_Position.w, normalOfTriangle[1].w)
+        + at.z * vec2(gl_in[2].gl_Position.w, normalOfTriangle[2].w);
+#endif
+}

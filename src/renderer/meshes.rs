@@ -1,0 +1,292 @@
+//! Meshes as smooth triangles: patches of three points, cut by the tessellation stages.
+#![allow(unsafe_code, reason = "drawing is unsafe in glow")]
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat4, DVec3, Mat4};
+use glow::HasContext;
+
+use super::drawing::{Seen, matrices};
+use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
+use super::triangles::Feedback;
+use super::{DrawnVertex, Frame, Renderer, set_for_aovs};
+use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
+use crate::surface::Centering;
+use crate::tessellation::{
+    DrawSize, Rounding, Screen, TriangleBound, parts_of_next_draw, raise, triangles_of_triangle,
+    vertices_of_triangle,
+};
+use crate::{FrameFigures, MeshModel, Result, Shading, Smoothing, TessLevel, Tessellation};
+
+/// A corner of a triangle as `triangles/triangle.vert` reads it.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct DrawnCorner {
+    /// And s of the texture coordinates.
+    position: [f32; 4],
+    /// And t.
+    normal: [f32; 4],
+    /// The normal here that shapes the edge to the next corner, and the edge from the one before.
+    leaving: [f32; 3],
+    arriving: [f32; 3],
+}
+
+/// A draw call: so many triangles from this one on.
+#[derive(Debug, Clone, Copy)]
+struct Draw {
+    first: usize,
+    count: usize,
+    triangles: u64,
+}
+
+/// A mesh in the driver's memory.
+#[derive(Debug)]
+pub(crate) struct PreparedMesh {
+    model: MeshModel,
+    texture: Arc<Texture>,
+    centering: Centering,
+    corners: Buffer,
+    /// Control points of all triangles, 10 or 6 each.
+    nets: Vec<DVec3>,
+    seen: Option<Seen>,
+    /// Of each triangle what it needs by itself; 0 if it is out of sight.
+    needs: Vec<u8>,
+    /// Of each edge the larger need.
+    edges: Vec<u8>,
+    /// Of each triangle the levels as the control stage reads them; 0 if it is not drawn.
+    words: Vec<u32>,
+    levels: Option<TexelBuffer>,
+    draws: Vec<Draw>,
+    figures: FrameFigures,
+}
+
+impl PreparedMesh {
+    /// Uploads a mesh; `texture` is its paint.
+    pub(crate) fn new(
+        gl: &Arc<glow::Context>,
+        model: &MeshModel,
+        texture: Arc<Texture>,
+    ) -> Result<Self> {
+        let mesh = model.mesh().mesh();
+        let centering = Centering::of(model.hull().map(|point| point.extend(1.0)).iter());
+        let mut corners = Vec::with_capacity(3 * mesh.triangles().len());
+        let mut nets = Vec::new();
+        for (number, own) in (0..).zip(mesh.triangles()) {
+            let triangle = model.mesh().triangle(number);
+            for (k, corner) in own.iter().enumerate() {
+                let st = mesh.coordinates().get(corner.coordinate as usize);
+                let st = st.copied().unwrap_or_default().as_vec2();
+                let position = centering.apply(triangle.positions[k].extend(1.0)).truncate();
+                corners.push(DrawnCorner {
+                    position: position.extend(st.x).into(),
+                    normal: triangle.normals[k].as_vec3().extend(st.y).into(),
+                    leaving: triangle.edge_normals[k][0].as_vec3().into(),
+                    arriving: triangle.edge_normals[(k + 2) % 3][1].as_vec3().into(),
+                });
+            }
+            model.curved(number).with_control_points(|points| nets.extend_from_slice(points));
+        }
+        Ok(Self {
+            model: model.clone(),
+            texture,
+            centering,
+            corners: Buffer::new(gl, "corners of triangles", &corners)?,
+            nets,
+            seen: None,
+            needs: Vec::new(),
+            edges: Vec::new(),
+            words: Vec::new(),
+            levels: None,
+            draws: Vec::new(),
+            figures: FrameFigures::default(),
+        })
+    }
+
+    /// What a frame draws of it.
+    pub(crate) const fn figures(&self) -> FrameFigures {
+        self.figures
+    }
+
+    /// From the driver's points to world space.
+    fn points_to_world(&self) -> DMat4 {
+        self.model.transform * self.centering.to_model()
+    }
+
+    /// Brings levels and draws up to date with a frame.
+    pub(crate) fn update(
+        &mut self,
+        gl: &Arc<glow::Context>,
+        frame: &Frame,
+        target: &Target,
+        draw_size: DrawSize,
+    ) -> Result<()> {
+        let tessellation = match (self.model.smoothing(), self.model.level) {
+            (Smoothing::None, _) => Tessellation::Level(TessLevel::ONE),
+            (_, Some(level)) => Tessellation::Level(level),
+            (_, None) => frame.settings.tessellation,
+        };
+        let seen = Seen { projection: frame.projection, size: target.size, tessellation };
+        if self.seen == Some(seen) {
+            return Ok(());
+        }
+        // Only a whole update counts.
+        self.seen = None;
+        self.find_levels(&seen);
+        match &self.levels {
+            Some(levels) => levels.buffer().write(0, &self.words),
+            None => {
+                self.levels = Some(TexelBuffer::of_words(gl, "levels of triangles", &self.words)?)
+            }
+        }
+        self.find_draws(draw_size);
+        self.seen = Some(seen);
+        Ok(())
+    }
+
+    /// The levels of all triangles that can be seen.
+    fn find_levels(&mut self, seen: &Seen) {
+        let (tolerance, fixed) = match seen.tessellation {
+            Tessellation::Within(tolerance) => (tolerance.pixels(), None),
+            Tessellation::Level(level) => (1.0, Some(level.get() as u8)),
+        };
+        let screen = Screen::new(&seen.projection, seen.size, tolerance);
+        let view_to_clip = seen.projection.projection * seen.projection.view;
+        let rounding = Rounding::new(&(view_to_clip * self.points_to_world()), 1.0);
+        let to_clip = view_to_clip * self.model.transform;
+        let mesh = self.model.mesh();
+        let triangles = mesh.mesh().triangles().len();
+        let mut figures = FrameFigures { patches: triangles, ..FrameFigures::default() };
+        let bound = |triangle: usize| {
+            let points = self.nets.len() / triangles;
+            let net = &self.nets[triangle * points..][..points];
+            TriangleBound::new(net, &to_clip, &screen, &rounding)
+        };
+        self.needs.clear();
+        self.edges.clear();
+        self.edges.resize(mesh.edges() as usize, 0);
+        for triangle in 0..triangles {
+            let bound = bound(triangle);
+            let need = bound.map_or(0, |bound| fixed.unwrap_or_else(|| bound.level(&screen)));
+            if let Some(bound) = bound {
+                let error = bound.error(need, &screen);
+                raise(&mut figures.largest_bound, error);
+                if fixed.is_none() && error > screen.tolerance() {
+                    raise(&mut figures.unmet, error);
+                }
+            }
+            for k in 0..3 {
+                let edge = &mut self.edges[mesh.edge((3 * triangle + k) as u32) as usize];
+                *edge = need.max(*edge);
+            }
+            self.needs.push(need);
+        }
+        self.words.clear();
+        for (triangle, need) in self.needs.iter().enumerate() {
+            let edges = [0, 1, 2]
+                .map(|k| u32::from(self.edges[mesh.edge((3 * triangle + k) as u32) as usize]));
+            let inside = edges[0].max(edges[1]).max(edges[2]);
+            let drawn = *need > 0;
+            let word = edges[0] | edges[1] << 8 | edges[2] << 16 | inside << 24;
+            self.words.push(if drawn { word } else { 0 });
+            figures.culled += usize::from(!drawn);
+            figures.triangles += triangles_of_triangle(if drawn { inside } else { 0 });
+        }
+        self.figures = figures;
+    }
+
+    /// Draws of triangles that follow one another, as many vertices each as the driver likes.
+    fn find_draws(&mut self, draw_size: DrawSize) {
+        self.draws.clear();
+        let inside = |word: &u32| word >> 24;
+        let vertices = |word: &u32| if *word == 0 { 0 } else { vertices_of_triangle(inside(word)) };
+        let mut first = 0;
+        while let Some(next) = self.words[first..].iter().position(|word| *word != 0) {
+            first += next;
+            let rest = &self.words[first..];
+            let fitting = parts_of_next_draw(rest.iter().map(vertices), draw_size);
+            let last = rest[..fitting].iter().rposition(|word| *word != 0);
+            let count = last.map_or(fitting, |last| last + 1);
+            let triangles = rest[..count].iter().map(|word| triangles_of_triangle(inside(word)));
+            self.draws.push(Draw { first, count, triangles: triangles.sum() });
+            first += count;
+        }
+        self.figures.draws = self.draws.len();
+    }
+}
+
+impl Renderer {
+    /// Draws a mesh as it was last updated; `first_patch` is the number of its first triangle among all
+    /// patches.
+    pub(super) fn draw_mesh(
+        &mut self,
+        mesh: &PreparedMesh,
+        frame: &Frame,
+        output: Output,
+        first_patch: usize,
+        mut kept: Option<&mut Vec<DrawnVertex>>,
+    ) -> Result<()> {
+        let Some(levels) = &mesh.levels else { return Ok(()) };
+        let smoothing = mesh.model.smoothing();
+        let key = ProgramKey {
+            pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn },
+            shading: mesh.model.shading,
+            trims: TrimFeatures::NONE,
+            output,
+        };
+        self.program(key)?;
+        let program = &self.programs[&key];
+        program.bind();
+        let columns = matrices(&mesh.points_to_world(), &frame.projection);
+        // Cross products turn with the triangle, normals stay outside.
+        let sign = mesh.model.transform.determinant().signum() as f32;
+        let matrix = |first: usize| {
+            Mat4::from_cols(
+                columns[first],
+                columns[first + 1],
+                columns[first + 2],
+                columns[first + 3],
+            )
+        };
+        program.set_mat4(location::TO_CLIP, &matrix(0));
+        program.set_mat4(location::TO_VIEW, &matrix(4));
+        program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
+        if let Smoothing::Phong(alpha) = smoothing {
+            program.set_f32(location::ALPHA, alpha.get() as f32);
+        }
+        if output == Output::Picture {
+            if mesh.model.shading == Shading::Phong {
+                program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
+            }
+        } else {
+            program.set_i32(location::FIRST_PATCH, first_patch as i32);
+        }
+        if output == Output::Aovs {
+            set_for_aovs(program, frame, &Target::bound(&self.gl));
+        }
+        mesh.texture.bind(0);
+        levels.bind(LEVELS_UNIT);
+        self.set_state(3, frame.settings.wireframe);
+        self.corners_array.bind(&mesh.corners);
+        for draw in &mesh.draws {
+            program.set_i32(location::FIRST_TRIANGLE, draw.first as i32);
+            let feedback = match kept {
+                Some(_) => Some(
+                    Feedback::begin(&self.gl, draw.triangles).inspect_err(|_| self.release())?,
+                ),
+                None => None,
+            };
+            // SAFETY: the context is current (see the type); the range lies within the buffer, whose
+            // bytes fit an i32 since it was made.
+            unsafe {
+                let (first, count) = (3 * draw.first as i32, 3 * draw.count as i32);
+                self.gl.draw_arrays(glow::PATCHES, first, count);
+            }
+            if let (Some(feedback), Some(kept)) = (feedback, kept.as_deref_mut()) {
+                feedback.end(kept);
+            }
+        }
+        self.release();
+        Ok(())
+    }
+}

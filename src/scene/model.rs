@@ -1,0 +1,141 @@
+//! Triangle meshes in a scene.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
+
+use super::{Paint, Shading, TessLevel};
+use crate::{
+    Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, Result, SmoothTriangle,
+    Smoothing,
+};
+
+/// A triangle mesh with its place and look, drawn as a smooth surface by either method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshModel {
+    mesh: Arc<HalfedgeMesh>,
+    smoothing: Smoothing,
+    /// The corners of a box around the surface, in model space.
+    hull: [DVec3; 2],
+    /// The level of all its triangles, instead of what the scene asks for.
+    pub level: Option<TessLevel>,
+    /// Model space to world space.
+    pub transform: DMat4,
+    /// Colour before lighting; a picture is laid on by the mesh's texture coordinates.
+    pub paint: Paint,
+    /// Lighting.
+    pub shading: Shading,
+}
+
+impl MeshModel {
+    /// A mesh that stands as it is, grey and lit.
+    ///
+    /// # Errors
+    /// An edge that no surface has, as [`HalfedgeMesh::new`] tells.
+    pub fn new(mesh: Mesh, smoothing: Smoothing) -> Result<Self> {
+        let mesh = Arc::new(HalfedgeMesh::new(mesh)?);
+        let mut hull = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        for triangle in 0..mesh.mesh().triangles().len() as u32 {
+            let curved = Curved::new(&mesh.triangle(triangle), smoothing);
+            curved.with_control_points(|points| {
+                for point in points {
+                    hull = [hull[0].min(*point), hull[1].max(*point)];
+                }
+            });
+        }
+        Ok(Self {
+            mesh,
+            smoothing,
+            hull,
+            level: None,
+            transform: DMat4::IDENTITY,
+            paint: Paint::default(),
+            shading: Shading::default(),
+        })
+    }
+
+    /// The triangles.
+    #[must_use]
+    pub fn mesh(&self) -> &HalfedgeMesh {
+        &self.mesh
+    }
+
+    /// How they become a smooth surface.
+    #[must_use]
+    pub const fn smoothing(&self) -> Smoothing {
+        self.smoothing
+    }
+
+    /// The corners of a box in model space that holds the surface: the least and the greatest.
+    #[must_use]
+    pub const fn hull(&self) -> [DVec3; 2] {
+        self.hull
+    }
+
+    /// The smooth surface over a triangle.
+    #[must_use]
+    pub(crate) fn curved(&self, triangle: u32) -> Curved {
+        Curved::new(&self.mesh.triangle(triangle), self.smoothing)
+    }
+
+    /// The corners of the box around it in world space.
+    pub(crate) fn world_hull(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        (0..8).map(|corner| {
+            let at = |axis: usize| self.hull[corner >> axis & 1][axis];
+            self.transform.transform_point3(DVec3::new(at(0), at(1), at(2)))
+        })
+    }
+
+    /// Points of the surface in world space: corners, middles of edges and of triangles.
+    pub(super) fn samples(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        const THIRD: f64 = 1.0 / 3.0;
+        const PLACES: [[f64; 3]; 5] = [
+            [1.0, 0.0, 0.0],
+            [0.5, 0.5, 0.0],
+            [0.0, 0.5, 0.5],
+            [0.5, 0.0, 0.5],
+            [THIRD, THIRD, THIRD],
+        ];
+        (0..self.mesh.mesh().triangles().len() as u32).flat_map(move |triangle| {
+            let curved = self.curved(triangle);
+            let corners = self.mesh.triangle(triangle).positions;
+            PLACES
+                .map(|[u, v, w]| curved.position(u, v, w))
+                .into_iter()
+                .chain(corners)
+                .map(|point| self.transform.transform_point3(point))
+        })
+    }
+}
+
+/// A smooth surface over a triangle, of either kind. What is not smoothed is Phong's with α = 0.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Curved {
+    Pn(PnTriangle),
+    Phong(PhongTriangle),
+}
+
+impl Curved {
+    fn new(triangle: &SmoothTriangle, smoothing: Smoothing) -> Self {
+        match smoothing {
+            Smoothing::None => Self::Phong(PhongTriangle::new(triangle, Alpha::NONE)),
+            Smoothing::Pn => Self::Pn(PnTriangle::new(triangle)),
+            Smoothing::Phong(alpha) => Self::Phong(PhongTriangle::new(triangle, alpha)),
+        }
+    }
+
+    /// Hands on its 10 or 6 control points.
+    pub(crate) fn with_control_points<T>(&self, use_them: impl FnOnce(&[DVec3]) -> T) -> T {
+        match self {
+            Self::Pn(triangle) => use_them(&triangle.control_points()),
+            Self::Phong(triangle) => use_them(&triangle.control_points()),
+        }
+    }
+
+    fn position(&self, u: f64, v: f64, w: f64) -> DVec3 {
+        match self {
+            Self::Pn(triangle) => triangle.position(u, v, w),
+            Self::Phong(triangle) => triangle.position(u, v, w),
+        }
+    }
+}
