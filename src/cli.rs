@@ -5,6 +5,7 @@ mod info;
 mod measure;
 mod output;
 mod render;
+mod report;
 mod smooth;
 
 use std::io::Write as _;
@@ -20,6 +21,7 @@ use exr::AovFile;
 use indicatif::ProgressBar;
 use output::Output;
 use render::Job;
+use report::{ReportFormat, Topic};
 
 /// Renders trimmed Bézier surfaces with OpenGL tessellation, without a display.
 ///
@@ -39,6 +41,8 @@ enum Command {
     Measure(MeasureArguments),
     /// Smooth a triangle mesh: every step makes nine triangles of each.
     Smooth(SmoothArguments),
+    /// Measure speed against error of both methods on this machine, and write it down as a page.
+    Report(ReportArguments),
     /// Print the OpenGL driver and the limits that the program relies on.
     Info(InfoArguments),
 }
@@ -177,6 +181,33 @@ impl LookArguments {
         }
         Ok(())
     }
+}
+
+#[derive(Debug, Args)]
+struct ReportArguments {
+    /// The folder for index.html, report.json and a .csv file for each section.
+    #[arg(long, value_name = "DIR", default_value = "report")]
+    out: PathBuf,
+
+    /// Fewer and smaller pictures, in about a minute.
+    #[arg(long)]
+    quick: bool,
+
+    /// This section alone; may be given several times.
+    #[arg(long, value_name = "SECTION")]
+    only: Vec<Topic>,
+
+    /// A page and its data, or the data alone on standard output.
+    #[arg(long, value_name = "FORMAT", default_value = "html")]
+    format: ReportFormat,
+
+    /// The project's folder of scenes.
+    #[arg(long, value_name = "DIR", default_value_os_t = report::default_resources())]
+    resources: PathBuf,
+
+    /// Where the OpenGL context comes from: auto, egl or osmesa.
+    #[arg(long, value_name = "BACKEND", default_value_t)]
+    backend: Backend,
 }
 
 #[derive(Debug, Args)]
@@ -319,6 +350,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
         }
         Some(Command::Measure(arguments)) => measure::all(arguments),
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
+        Some(Command::Report(arguments)) => report::run(arguments).map_err(|error| vec![error]),
         Some(Command::Info(arguments)) => {
             info::print(arguments.backend).map_err(|error| vec![error])
         }

@@ -3,8 +3,9 @@
 //! A picture's [`Aovs`] claim which point of which patch each pixel shows. [`measure()`] evaluates
 //! that point and says how far from the pixel's centre it lies on the screen, how far the normal is
 //! off, and compares what is drawn at all with the scene's [`Coverage`]. [`random_view`] makes
-//! cameras to look from.
+//! cameras to look from; [`in_turns`] tells what drawing costs on a noisy machine.
 
+mod turns;
 mod views;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
@@ -12,6 +13,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3};
 use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::{Aovs, Patch, Projection, Scene, Surface, Tessellation};
 
+pub use turns::{Timing, in_turns};
 pub use views::random_view;
 
 /// The angle between tangents whose sine is below this leaves the normal open.
@@ -28,6 +30,8 @@ pub struct Measurement {
     pub max_error_px: f64,
     /// The mean of these distances over the covered pixels.
     pub mean_error_px: f64,
+    /// The root of the mean of their squares.
+    pub rms_error_px: f64,
     /// The largest angle between a pixel's normal and the surface's, in degrees. Left out is where
     /// the surface has none to speak of: where |Su × Sv| ≤ 10⁻³ |Su| |Sv|, or where Su or Sv is
     /// shorter than 10⁻⁴ of the longest difference of neighbouring control points times the degree,
@@ -51,11 +55,16 @@ impl Measurement {
     /// covered pixels, sums of counts.
     #[must_use]
     pub fn merge(&self, other: &Self) -> Self {
-        let sum = |one: &Self| if one.covered == 0 { 0.0 } else { one.total_px() };
         let covered = self.covered + other.covered;
+        let mean = |of: fn(&Self) -> f64| {
+            let sum =
+                |one: &Self| if one.covered == 0 { 0.0 } else { of(one) * one.covered as f64 };
+            (sum(self) + sum(other)) / covered.max(1) as f64
+        };
         Self {
             max_error_px: self.max_error_px.max(other.max_error_px),
-            mean_error_px: (sum(self) + sum(other)) / covered.max(1) as f64,
+            mean_error_px: mean(|one| one.mean_error_px),
+            rms_error_px: mean(|one| one.rms_error_px * one.rms_error_px).sqrt(),
             normal_error_deg: self.normal_error_deg.max(other.normal_error_deg),
             silhouette_pixels: self.silhouette_pixels + other.silhouette_pixels,
             crack_pixels: self.crack_pixels + other.crack_pixels,
@@ -63,10 +72,6 @@ impl Measurement {
             covered,
             expected: self.expected + other.expected,
         }
-    }
-
-    fn total_px(&self) -> f64 {
-        self.mean_error_px * self.covered as f64
     }
 }
 
@@ -88,7 +93,7 @@ pub fn measure(
         scene.surfaces.iter().flat_map(|surface| Seen::of(surface, projection)).collect();
     let mut all = Measurement { bad_values: count_bad(aovs), ..Measurement::default() };
     let size = DVec2::new(f64::from(aovs.size.0), f64::from(aovs.size.1));
-    let mut total_px = 0.0;
+    let (mut total_px, mut total_squares) = (0.0, 0.0);
     for (i, (cover, uv)) in reference.pixels.iter().zip(&aovs.uv).enumerate() {
         let drawn = uv[3] != 0.0;
         all.expected += usize::from(cover.covered());
@@ -113,10 +118,12 @@ pub fn measure(
             (f64::INFINITY, None)
         };
         total_px += error_px;
+        total_squares += error_px * error_px;
         all.max_error_px = all.max_error_px.max(error_px);
         all.normal_error_deg = all.normal_error_deg.max(normal_error_deg.unwrap_or(0.0));
     }
     all.mean_error_px = total_px / all.covered.max(1) as f64;
+    all.rms_error_px = (total_squares / all.covered.max(1) as f64).sqrt();
     all
 }
 

@@ -114,6 +114,7 @@ impl<'a> Bench<'a> {
             let none = f64::NAN;
             report.measurement.max_error_px = none;
             report.measurement.mean_error_px = none;
+            report.measurement.rms_error_px = none;
             report.measurement.normal_error_deg = none;
         }
         report.triangles /= met_views.max(1);
@@ -280,6 +281,7 @@ mod tests {
             measurement: Measurement {
                 max_error_px: 0.4375,
                 mean_error_px: 0.0625,
+                rms_error_px: 0.125,
                 normal_error_deg: 1.5,
                 silhouette_pixels: 7,
                 crack_pixels: 2,

@@ -1,0 +1,213 @@
+//! `freeform report`: speed against error for every method, on the machine at hand.
+
+mod lab;
+mod page;
+mod plot;
+mod row;
+mod scaling;
+mod stability;
+mod tessellation;
+mod triangles;
+mod trimming;
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+use freeform_surface::{Error, Headless, Image, Method, NewtonTrims, Result, Scene};
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::output::replace;
+use super::{ReportArguments, say};
+use lab::{Lab, check_resources};
+use page::{Head, page};
+use row::Row;
+
+/// What can be measured by itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Topic {
+    /// Levels and tolerances.
+    Tessellation,
+    /// Trims by both methods.
+    Trimming,
+    /// Smoothed meshes.
+    Triangles,
+    /// Growth with size.
+    Scaling,
+    /// The hard cases.
+    Stability,
+}
+
+impl Topic {
+    fn measure(self, lab: &mut Lab) -> Result<Section> {
+        match self {
+            Self::Tessellation => tessellation::section(lab),
+            Self::Trimming => trimming::section(lab),
+            Self::Triangles => triangles::section(lab),
+            Self::Scaling => scaling::section(lab),
+            Self::Stability => stability::section(lab),
+        }
+    }
+}
+
+/// What the report writes beside the data.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ReportFormat {
+    /// A page, and the data.
+    Html,
+    /// The data alone, on standard output.
+    Json,
+}
+
+/// A picture with what it shows.
+#[derive(Debug)]
+struct Figure {
+    caption: String,
+    image: Image,
+}
+
+/// One part of the report.
+#[derive(Debug)]
+struct Section {
+    name: &'static str,
+    title: &'static str,
+    meaning: &'static str,
+    /// What the rows say, in sentences.
+    findings: Vec<String>,
+    /// Titles and SVG texts.
+    plots: Vec<(String, String)>,
+    figures: Vec<Figure>,
+    rows: Vec<Row>,
+}
+
+impl Section {
+    const fn new(name: &'static str, title: &'static str, meaning: &'static str) -> Self {
+        Self {
+            name,
+            title,
+            meaning,
+            findings: Vec::new(),
+            plots: Vec::new(),
+            figures: Vec::new(),
+            rows: Vec::new(),
+        }
+    }
+}
+
+/// Measures what was asked for and writes the report.
+///
+/// # Errors
+/// No context, no folder of scenes, a scene that cannot be drawn, files that cannot be written.
+pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
+    check_resources(&arguments.resources)?;
+    let topics: Vec<Topic> = if arguments.only.is_empty() {
+        Topic::value_variants().to_vec()
+    } else {
+        arguments.only.clone()
+    };
+    let bar = ProgressBar::no_length();
+    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+        bar.set_style(style);
+    }
+    let context = Headless::new(arguments.backend)?;
+    let mut lab = Lab::new(context, arguments.resources.clone(), arguments.quick, bar.clone())?;
+    let mut sections = Vec::with_capacity(topics.len());
+    for topic in &topics {
+        sections.push(topic.measure(&mut lab)?);
+    }
+    bar.finish_and_clear();
+    let rows: Vec<&Row> = sections.iter().flat_map(|section| &section.rows).collect();
+    let json = serde_json::to_string_pretty(&rows).expect("strings and numbers");
+    if arguments.format == ReportFormat::Json {
+        return say(json);
+    }
+    let head = Head {
+        version: env!("CARGO_PKG_VERSION").into(),
+        driver: lab.driver(),
+        machine: machine(),
+        size: lab.size,
+        summary: sections.iter().flat_map(|section| section.findings.iter().cloned()).collect(),
+        command: command(arguments),
+    };
+    let folder = &arguments.out;
+    std::fs::create_dir_all(folder)
+        .map_err(|error| unwritable("make the folder", folder, error))?;
+    write(&folder.join("report.json"), json.as_bytes())?;
+    for section in &sections {
+        write(&folder.join(format!("{}.csv", section.name)), &csv(&section.rows)?)?;
+    }
+    let index = folder.join("index.html");
+    write(&index, page(&head, &sections)?.as_bytes())?;
+    for line in &head.summary {
+        say(line)?;
+    }
+    say(format_args!("wrote {}", index.display()))
+}
+
+/// The command line that makes this report again.
+fn command(arguments: &ReportArguments) -> String {
+    let mut command = format!("freeform report --out {}", arguments.out.display());
+    if arguments.quick {
+        command.push_str(" --quick");
+    }
+    for topic in &arguments.only {
+        let name = topic.to_possible_value();
+        command.push_str(" --only ");
+        command.push_str(name.as_ref().map_or("", |name| name.get_name()));
+    }
+    command
+}
+
+/// The processor and how many of its cores can be used.
+fn machine() -> String {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let model = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+        let line = text.lines().find(|line| line.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_owned())
+    });
+    let system = std::env::consts::OS;
+    format!("{} with {cores} cores, {system}", model.unwrap_or_else(|| "a processor".into()))
+}
+
+fn csv(rows: &[Row]) -> Result<Vec<u8>> {
+    let fail = |error: String| Error::Driver { what: "a table".into(), reason: error };
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.serialize(row).map_err(|error| fail(error.to_string()))?;
+    }
+    writer.into_inner().map_err(|error| fail(error.to_string()))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    replace(path, |file| file.write_all(bytes)).map_err(|error| unwritable("write", path, error))
+}
+
+fn unwritable(action: &'static str, path: &Path, error: impl ToString) -> Error {
+    Error::File { action, path: path.to_owned(), reason: error.to_string() }
+}
+
+/// Whether the thesis' method has no way to cut the loops of a scene.
+fn thesis_refuses(scene: &Scene) -> bool {
+    debug_assert_eq!(scene.settings.method, Method::Thesis);
+    scene.surfaces.iter().any(|surface| NewtonTrims::of(&surface.trims).is_err())
+}
+
+/// The project's folder of scenes: in the current folder, or where the program was built.
+pub(super) fn default_resources() -> PathBuf {
+    let here = PathBuf::from("resources");
+    if here.is_dir() { here } else { Path::new(env!("CARGO_MANIFEST_DIR")).join("resources") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_become_a_table_with_all_columns() {
+        let row = Row { level: Some(8), ..Row::new("tessellation", "a, b", "exact") };
+        let text = String::from_utf8(csv(&[row]).unwrap()).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert!(lines[0].starts_with("section,scene,method,level,tolerance,iterations,epsilon,"));
+        assert!(lines[1].starts_with("tessellation,\"a, b\",exact,8,,,"));
+    }
+}

@@ -1,0 +1,123 @@
+//! Section 5: the hard cases, both methods side by side.
+
+use std::path::PathBuf;
+
+use freeform_surface::{Method, Result, Scene};
+
+use super::lab::Lab;
+use super::row::{Row, name};
+use super::{Figure, Section};
+
+/// Pixels that cases are measured in: the f64 answers of the largest take their time.
+const SIZE: (u32, u32) = (300, 180);
+/// Width of the small pictures.
+const THUMBNAIL: u32 = 200;
+
+pub(super) fn section(lab: &mut Lab) -> Result<Section> {
+    let mut section = Section::new(
+        "stability",
+        "Stability: the hard cases",
+        "One scene for each thing that is hard. Wrong pixels are those that trims decide wrongly; where \
+         a scene has no trims, those of the silhouette that differ from the surface's own. What the \
+         thesis' method cannot draw at all has no row of it.",
+    );
+    let size = lab.size;
+    lab.resize(SIZE)?;
+    let mut cases = cases(lab)?;
+    if lab.quick {
+        cases.retain(|(name, _)| QUICK.contains(&name.as_str()));
+    }
+    let (mut better, mut wrong) = (0, Vec::new());
+    for (case, path) in &cases {
+        lab.step(format!("stability: {case}"));
+        let Ok(scene) = Scene::load(path) else { continue };
+        let mut counts = [None; 2];
+        for (count, method) in counts.iter_mut().zip([Method::Exact, Method::Thesis]) {
+            let mut scene = scene.clone();
+            scene.settings.method = method;
+            if method == Method::Thesis && super::thesis_refuses(&scene) {
+                continue;
+            }
+            *count = Some(row_of(lab, case, &scene, &path.display().to_string(), &mut section)?);
+        }
+        match counts {
+            [Some(exact), Some(thesis)] if exact < thesis => better += 1,
+            [Some(exact), Some(thesis)] if exact > thesis => wrong.push(case.as_str()),
+            _ => {}
+        }
+    }
+    lab.resize(size)?;
+    section.findings.push(format!(
+        "Of {} hard cases exact has fewer wrong pixels in {better}, more in {}{}.",
+        cases.len(),
+        wrong.len(),
+        if wrong.is_empty() { String::new() } else { format!(" ({})", wrong.join(", ")) }
+    ));
+    Ok(section)
+}
+
+/// Cases of a quick report: one of each kind.
+const QUICK: [&str; 6] = [
+    "tess-collapsed-edge",
+    "tess-near-plane",
+    "tess-offset-1e6",
+    "trim-counter-clockwise",
+    "trim-ends-on-two-rows",
+    "trim-sliver",
+];
+
+/// The scenes of the folder by name, but those that are there to be refused.
+fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
+    let folder = lab.path("scenes/stability");
+    let fail = |error: std::io::Error| freeform_surface::Error::File {
+        action: "read",
+        path: folder.clone(),
+        reason: error.to_string(),
+    };
+    let mut cases = Vec::new();
+    for entry in std::fs::read_dir(&folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        let case = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        // Meshes have no surfaces to be measured by.
+        let is_surface = case.starts_with("tess-") || case.starts_with("trim-");
+        if is_surface && !case.contains("refused") {
+            cases.push((case, path));
+        }
+    }
+    cases.sort();
+    Ok(cases)
+}
+
+/// Adds the row and picture of a case by one method, and counts its wrong pixels.
+fn row_of(
+    lab: &mut Lab,
+    case: &str,
+    scene: &Scene,
+    path: &str,
+    section: &mut Section,
+) -> Result<usize> {
+    let method = scene.settings.method;
+    let row = Row::new("stability", case, name(method));
+    // The border of trims is compared by their own answers, which are sharper than a silhouette's.
+    let (pixels, row) = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
+        let kept = lab.kept(scene)?;
+        let wrong = lab.wrong(scene, &kept)?;
+        (wrong.pixels, Row { max_wrong_distance: Some(wrong.distance), ..row })
+    } else {
+        let coverage = lab.coverage(scene)?;
+        let (errors, triangles) = lab.errors(scene, &coverage)?;
+        (errors.silhouette_pixels, row.measured(&errors, triangles))
+    };
+    section.rows.push(Row {
+        wrong_pixels: Some(pixels),
+        command: lab.command(path, &format!("--method {}", name(method))),
+        ..row
+    });
+    let picture = lab.picture(scene)?;
+    let height = THUMBNAIL * picture.height() / picture.width();
+    section.figures.push(Figure {
+        caption: format!("{case}, {}: {pixels} wrong pixels", name(method)),
+        image: image::imageops::thumbnail(&picture, THUMBNAIL, height),
+    });
+    Ok(pixels)
+}

@@ -1,0 +1,71 @@
+//! What several things cost, measured in turns, because machines are noisy.
+
+use std::time::{Duration, Instant};
+
+use crate::Result;
+
+/// How long something took.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Timing {
+    /// The median, in milliseconds.
+    pub ms: f64,
+    /// The distance between the quartiles, over the median.
+    pub spread: f64,
+}
+
+impl Timing {
+    /// Of some durations, of which there must be one.
+    fn of(mut times: Vec<Duration>) -> Self {
+        times.sort_unstable();
+        let at = |share: usize| times[share * (times.len() - 1) / 4].as_secs_f64() * 1e3;
+        Self { ms: at(2), spread: (at(3) - at(1)) / at(2).max(f64::MIN_POSITIVE) }
+    }
+}
+
+/// Does several things in turns, once to warm up and then so many times, and tells how long each took.
+///
+/// # Errors
+/// The first that one of them has.
+pub fn in_turns(
+    turns: usize,
+    things: &mut [&mut dyn FnMut() -> Result<()>],
+) -> Result<Vec<Timing>> {
+    for thing in things.iter_mut() {
+        thing()?;
+    }
+    let mut times = vec![Vec::with_capacity(turns); things.len()];
+    for _ in 0..turns.max(1) {
+        for (thing, times) in things.iter_mut().zip(&mut times) {
+            let start = Instant::now();
+            thing()?;
+            times.push(start.elapsed());
+        }
+    }
+    Ok(times.into_iter().map(Timing::of).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_and_quartiles() {
+        let times = [9, 1, 5, 3, 7].map(Duration::from_millis).to_vec();
+        assert_eq!(Timing::of(times), Timing { ms: 5.0, spread: 0.8 });
+    }
+
+    #[test]
+    fn all_take_turns() {
+        let order = std::cell::RefCell::new(String::new());
+        let mut a = || {
+            order.borrow_mut().push('a');
+            Ok(())
+        };
+        let mut b = || {
+            order.borrow_mut().push('b');
+            Ok(())
+        };
+        assert_eq!(in_turns(2, &mut [&mut a, &mut b]).unwrap().len(), 2);
+        assert_eq!(*order.borrow(), "ababab");
+    }
+}
