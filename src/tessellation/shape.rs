@@ -36,9 +36,8 @@ impl Shape {
         }
         let side = degree.side();
         let net: Vec<DVec3> = points.iter().map(|point| point.truncate()).collect();
-        let sum = |step: usize, from: usize| -> DVec3 {
-            (0..side).map(|i| net[from + i * step]).sum()
-        };
+        let sum =
+            |step: usize, from: usize| -> DVec3 { (0..side).map(|i| net[from + i * step]).sum() };
         let along_u = sum(side, side - 1) - sum(side, 0);
         let along_v = sum(1, net.len() - side) - sum(1, 0);
         let Some(axis) = along_u.cross(along_v).try_normalize() else { return Self::UNKNOWN };
