@@ -165,19 +165,19 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
             }
         }
         let [mut uu, mut uv, mut vv] = [T::all(0.0); 3];
-        for row in 0..N {
+        for row in &along_u {
             for i in 0..N - 2 {
-                uu = uu.most(seen.squared(difference(along_u[row][i + 1], along_u[row][i])));
+                uu = uu.most(seen.squared(difference(row[i + 1], row[i])));
             }
         }
         for row in 0..N - 1 {
-            for i in 0..N - 1 {
-                uv = uv.most(seen.squared(difference(along_u[row + 1][i], along_u[row][i])));
+            for (next, here) in along_u[row + 1].iter().zip(&along_u[row]).take(N - 1) {
+                uv = uv.most(seen.squared(difference(*next, *here)));
             }
         }
         for i in 0..N - 2 {
-            for column in 0..N {
-                vv = vv.most(seen.squared(difference(along_v[i + 1][column], along_v[i][column])));
+            for (next, here) in along_v[i + 1].iter().zip(&along_v[i]) {
+                vv = vv.most(seen.squared(difference(*next, *here)));
             }
         }
         [uu, uv, vv]

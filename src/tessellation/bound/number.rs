@@ -38,12 +38,12 @@ impl Number for f64 {
     const LANES: usize = 1;
 
     #[inline]
-    fn each(of: impl Fn(usize) -> f64) -> Self {
+    fn each(of: impl Fn(usize) -> Self) -> Self {
         of(0)
     }
 
     #[inline]
-    fn lane(self, _: usize) -> f64 {
+    fn lane(self, _: usize) -> Self {
         self
     }
 
