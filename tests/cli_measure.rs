@@ -244,6 +244,20 @@ fn aovs_of_several_scenes_are_refused() {
 }
 
 #[test]
+fn two_aovs_in_one_file_are_refused() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let one = ["render", "a.toml", "--resolution", "8x8", "--aov", "uv=x.exr"];
+    let output =
+        folder.run(&[&one[..], &["--aov", "depth=y.exr", "--aov", "normal=x.exr"]].concat());
+    let said = text(&output.stderr);
+    let words = ["--aov", "x.exr for two AOVs", "a file for each"];
+    assert!(!output.status.success() && words.iter().all(|word| said.contains(word)), "{said}");
+    assert_eq!(std::fs::read_dir(folder.root()).unwrap().count(), 1, "something was written");
+    assert!(folder.run(&one).status.success());
+}
+
+#[test]
 fn scenes_of_level_and_tolerance_are_refused_with_their_line() {
     let folder = Folder::new();
     let surface = "[[surface]]\ncontrol_points = \"default\"\n";

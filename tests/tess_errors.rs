@@ -12,7 +12,7 @@ use freeform_surface::{
 };
 use glam::{DMat3, DVec3, DVec4, uvec2};
 
-use common::tess::{Random, Stage, is_long, scene_of, within};
+use common::tess::{Random, Stage, at_level, is_long, scene_of, turned, within};
 use common::{figures, load, root};
 
 /// Degrees that a normal may be off.
@@ -201,6 +201,38 @@ fn normals_of_quartic_and_rational_patches() {
         Surface::new(degree, points.collect()).unwrap()
     });
     check_normals_at_all_sizes("by chance", &scene_of(surfaces.collect()), 0);
+}
+
+#[test]
+fn normals_just_short_of_where_they_vanish() {
+    let mut stage = Stage::new(uvec2(480, 300));
+    // (u, 3(v − fold)²): Sv vanishes just further inwards than the vertices at v = ¼, and the surface
+    // turns back. There Sv is too short to be taken as it is, and its series has the other sign.
+    const FOLD: f64 = 0.25 + 1.5e-4;
+    const SHORT: f64 = 1e-3;
+    let (start, slope) = (3.0 * FOLD * FOLD, -2.0 * FOLD);
+    let heights = [start, start + slope, start + 2.0 * slope + 1.0, start + 3.0 * slope + 3.0];
+    let net: Vec<DVec4> =
+        (0..16).map(|i| DVec4::new((i % 4) as f64 / 3.0, heights[i / 4], 0.0, 1.0)).collect();
+    for turn in 0..8 {
+        let net = turned(Degree::Cubic, &net, turn);
+        let surface = Surface::new(Degree::Cubic, net.clone()).unwrap();
+        let scene = Scene { settings: at_level(8), ..scene_of(vec![surface]) };
+        let frame = stage.frame(&scene);
+        let to_world = DMat3::from_mat4(frame.projection.view).transpose();
+        let patch = Patch::new(Degree::Cubic, &net);
+        let mut short = 0;
+        for vertex in stage.triangles(&mut stage.prepared(&scene), &frame) {
+            let [u, v] = vertex.uv.map(f64::from);
+            let point = patch.at(u, v);
+            short += usize::from(point.du.length().min(point.dv.length()) < SHORT);
+            // Vertices' normals are Sv × Su in view space.
+            let normal = to_world * -DVec3::from_array(vertex.normal.map(f64::from));
+            let off = degrees(normal, patch.normal(u, v).unwrap());
+            assert!(off <= MOST_DEGREES, "turn {turn}, ({u}, {v}): {off} degrees");
+        }
+        assert!(short >= 9, "turn {turn}: {short}");
+    }
 }
 
 /// Every scene but those that are refused.

@@ -9,7 +9,7 @@ use freeform_surface::measure::random_view;
 use freeform_surface::{
     Camera, Circle, Cull, Degree, DrawnVertex, Frame, Image, Lens, Patch, Scene, Surface,
 };
-use glam::{DMat4, DVec3, DVec4, dvec2, dvec3, uvec2};
+use glam::{DMat4, DVec2, DVec3, DVec4, dvec2, dvec3, uvec2};
 
 use common::tess::{
     Random, Stage, at_level, count_drawn, field, is_long, scene_of, turned, within,
@@ -200,6 +200,39 @@ fn patches_of_the_teapot_meet_bit_for_bit() {
         in_parts += usize::from(most > Some(65));
     }
     assert!(in_parts >= 2, "no patch was near enough to be drawn in parts");
+}
+
+#[test]
+fn all_parts_of_a_patch_are_drawn_once() {
+    let mut stage = Stage::new(uvec2(1920, 1080));
+    let mut random = Random(9);
+    for degree in [Degree::Cubic, Degree::Quartic] {
+        let [_, rough] = pair(&mut random, degree, false, 0);
+        let mut scene = scene_of(vec![Surface::new(degree, rough).unwrap()]);
+        scene.settings = within(0.02);
+        let mut prepared = stage.prepared(&scene);
+        let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+        check_insides("parts", &drawn);
+        let area = |[a, b, c]: [DVec2; 3]| 0.5 * (b - a).perp_dot(c - a).abs();
+        let triangles = drawn.as_chunks::<3>().0.iter();
+        let area: f64 = triangles
+            .map(|corners| area(corners.each_ref().map(|corner| corner.uv.map(f64::from).into())))
+            .sum();
+        assert!((area - 1.0).abs() < 1e-5, "{degree:?}: triangles cover {area} of the domain");
+        let all: BTreeSet<[u32; 2]> =
+            drawn.iter().map(|vertex| vertex.uv.map(f32::to_bits)).collect();
+        // A part has at most 64 cells a side. There are at least so many parts, in powers of two.
+        let parts = [0, 1].map(|axis| {
+            let places: BTreeSet<u32> = all.iter().map(|uv| uv[axis]).collect();
+            (places.len() - 1).div_ceil(64).next_power_of_two()
+        });
+        assert!(parts.iter().any(|parts| *parts > 1), "{degree:?}: drawn whole");
+        for i in 0..(parts[0] + 1) * (parts[1] + 1) {
+            let place = [i % (parts[0] + 1), i / (parts[0] + 1)];
+            let corner = [0, 1].map(|axis| place[axis] as f32 / parts[axis] as f32);
+            assert!(all.contains(&corner.map(f32::to_bits)), "{degree:?}: no {corner:?}");
+        }
+    }
 }
 
 /// Two patches side by side, the first nearly flat, the second rough, turned by `turn`.

@@ -14,7 +14,13 @@
 //! exactly, so that it is enough to bound the polynomials δx − ξ·δw and δy − η·δw for all ξ and η that
 //! can be seen. They are convex in ξ and η: the ends of the range decide.
 
+mod net;
+mod number;
+
 use glam::{DMat4, DVec2, DVec4, UVec2};
+
+pub(crate) use net::{ClipNet, Points, Seen, ToClip};
+pub(crate) use number::Number;
 
 use crate::camera::Projection;
 
@@ -51,10 +57,6 @@ impl Screen {
         self.tolerance
     }
 
-    pub(super) const fn half(&self) -> DVec2 {
-        self.half
-    }
-
     pub(super) const fn near(&self) -> f64 {
         self.near
     }
@@ -79,55 +81,50 @@ impl Rounding {
         Self { x: error(to_clip.row(0)), y: error(to_clip.row(1)), w: error(to_clip.row(3)) }
     }
 
-    /// The same on the screen at a clip w of 1, in pixels.
+    /// In pixels at w = 1.
     pub(super) fn pixels(&self, screen: &Screen) -> f64 {
         (screen.half * DVec2::new(self.x + self.w, self.y + self.w)).length()
     }
 }
 
-/// From the space of control points to clip space: the matrix row by row.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ToClip([DVec4; 4]);
-
-impl From<DMat4> for ToClip {
-    fn from(matrix: DMat4) -> Self {
-        Self([0, 1, 2, 3].map(|row| matrix.row(row)))
-    }
-}
-
-/// The control points of a patch of `N` × `N` or of a part of one in clip space, row by row,
-/// multiplied by their weights.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ClipNet<const N: usize> {
-    /// x, y, z, w and the weight.
-    axes: [[[f64; N]; N]; 5],
-    /// Whether the weights differ from 1.
-    rational: bool,
-}
-
 /// How fast a patch turns on the screen: its second derivatives at most, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Curvature {
+pub(crate) struct Curvature<T = f64> {
     /// Along u.
-    pub(crate) uu: f64,
+    pub(crate) uu: T,
     /// Along u and v.
-    pub(crate) uv: f64,
+    pub(crate) uv: T,
     /// Along v.
-    pub(crate) vv: f64,
+    pub(crate) vv: T,
 }
 
 /// What the control points of a patch tell about its triangles.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Bound {
-    pub(crate) curvature: Curvature,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Bound<T = f64> {
+    pub(crate) curvature: Curvature<T>,
     /// How far rounding can move what is seen, in pixels.
-    pub(crate) rounding: f64,
+    pub(crate) rounding: T,
     /// How many times as far the farthest control point is as the nearest that can be seen.
-    pub(crate) depth_ratio: f64,
+    pub(crate) depth_ratio: T,
     /// The diagonal of what may be seen of it, in pixels.
-    pub(crate) extent: f64,
-    /// Whether it reaches before the near plane. Then the bound holds up to the tolerance alone.
-    crosses_near: bool,
+    pub(crate) extent: T,
+    /// The least clip w of the control points.
+    least_depth: T,
+}
+
+impl<T: Number> Bound<T> {
+    /// The bound of one lane's patch.
+    #[inline]
+    pub(crate) fn lane(&self, lane: usize) -> Bound {
+        let Curvature { uu, uv, vv } = self.curvature;
+        Bound {
+            curvature: Curvature { uu: uu.lane(lane), uv: uv.lane(lane), vv: vv.lane(lane) },
+            rounding: self.rounding.lane(lane),
+            depth_ratio: self.depth_ratio.lane(lane),
+            extent: self.extent.lane(lane),
+            least_depth: self.least_depth.lane(lane),
+        }
+    }
 }
 
 impl Bound {
@@ -135,234 +132,10 @@ impl Bound {
     /// u and v; infinite where nothing can be said.
     pub(crate) fn error(&self, cells: [f64; 2], screen: &Screen) -> f64 {
         let error = self.curvature.error(cells) + self.rounding;
-        if self.crosses_near && error > screen.tolerance() { f64::INFINITY } else { error }
+        // Of what reaches before the near plane, the bound holds up to the tolerance alone.
+        let crosses_near = self.least_depth < screen.near;
+        if crosses_near && error > screen.tolerance() { f64::INFINITY } else { error }
     }
-}
-
-impl<const N: usize> ClipNet<N> {
-    /// Transforms the control points (x, y, z, weight) of a patch.
-    #[inline]
-    pub(crate) fn new(points: &[DVec4], to_clip: &ToClip) -> Self {
-        let mut net = Self { axes: [[[1.0; N]; N]; 5], rational: false };
-        for (row, points) in points.chunks_exact(N).enumerate().take(N) {
-            for (column, p) in points.iter().enumerate() {
-                for (axis, m) in net.axes.iter_mut().zip(&to_clip.0) {
-                    axis[row][column] = (m.x * p.x + m.y * p.y + (m.z * p.z + m.w)) * p.w;
-                }
-                net.axes[4][row][column] = p.w;
-                net.rational |= p.w != 1.0;
-            }
-        }
-        net
-    }
-
-    /// The least weight, and the least clip w of the points themselves.
-    fn least_weight_and_depth(&self) -> [f64; 2] {
-        let [_, _, _, w, weight] = &self.axes;
-        let mut least = [f64::INFINITY; 2];
-        for (w, weight) in w.as_flattened().iter().zip(weight.as_flattened()) {
-            least = [least[0].min(*weight), least[1].min(w / weight)];
-        }
-        least
-    }
-
-    /// Whether all control points lie outside of one plane of the view's frustum: nothing is seen.
-    pub(crate) fn is_outside(&self) -> bool {
-        let w = self.axes[3].as_flattened();
-        self.axes[..3].iter().any(|axis| {
-            let (mut below, mut above) = (true, true);
-            for (value, w) in axis.as_flattened().iter().zip(w) {
-                below &= *value < -w;
-                above &= *value > *w;
-            }
-            below | above
-        })
-    }
-
-    /// Bounds the patch on a screen.
-    pub(crate) fn bound(&self, screen: &Screen, rounding: &Rounding) -> Bound {
-        let [x, y, _, w, _] = &self.axes;
-        let (mut least_w, mut greatest_w) = (f64::INFINITY, 0.0_f64);
-        for w in w.as_flattened() {
-            least_w = least(least_w, *w);
-            greatest_w = most(greatest_w, *w);
-        }
-        let [least_weight, least_depth] =
-            if self.rational { self.least_weight_and_depth() } else { [1.0, least_w] };
-        let crosses_near = least_depth < screen.near;
-        let seen = if crosses_near {
-            Seen::across_near(screen, screen.near * least_weight)
-        } else {
-            Seen::new(screen.half / least_w, ranges(x, y, w))
-        };
-        // About the middle of what is seen, in pixels.
-        let [x, y] = [0, 1].map(|axis| {
-            let mut about = *w;
-            let (value, w) = (self.axes[axis].as_flattened(), w.as_flattened());
-            for (i, about) in about.as_flattened_mut().iter_mut().enumerate() {
-                *about = (value[i] - seen.middle[axis] * w[i]) * seen.px[axis];
-            }
-            about
-        });
-        let (x, y) = (&x, &y);
-        // The largest of each column by itself: columns are worked on side by side.
-        let (mut uu, mut uv, mut vv) = ([0.0_f64; N], [0.0_f64; N], [0.0_f64; N]);
-        for row in 0..N {
-            for (i, uu) in uu[..N - 2].iter_mut().enumerate() {
-                let bend = |a: &[[f64; N]; N]| {
-                    (a[row][i] - a[row][i + 1]) - (a[row][i + 1] - a[row][i + 2])
-                };
-                *uu = most(*uu, seen.squared(bend(x), bend(y), bend(w)));
-            }
-        }
-        for i in 0..N - 2 {
-            for (column, vv) in vv.iter_mut().enumerate() {
-                let bend = |a: &[[f64; N]; N]| {
-                    (a[i][column] - a[i + 1][column]) - (a[i + 1][column] - a[i + 2][column])
-                };
-                *vv = most(*vv, seen.squared(bend(x), bend(y), bend(w)));
-            }
-        }
-        for row in 0..N - 1 {
-            for (i, uv) in uv[..N - 1].iter_mut().enumerate() {
-                let twist = |a: &[[f64; N]; N]| {
-                    (a[row + 1][i + 1] - a[row + 1][i]) - (a[row][i + 1] - a[row][i])
-                };
-                *uv = most(*uv, seen.squared(twist(x), twist(y), twist(w)));
-            }
-        }
-        let [uu, uv, vv] = [uu, uv, vv].map(|squares| squares.into_iter().fold(0.0, most).sqrt());
-        let degree = (N - 1) as f64;
-        let second = degree * (degree - 1.0);
-        let depth = least_depth.max(screen.near);
-        let nearest = if crosses_near { screen.near * least_weight } else { least_w };
-        let depth_ratio = greatest_w / nearest;
-        // Rasterisers interpolate what is divided by w, in `f32`.
-        let extent = 2.0 * screen.half * seen.reach / seen.px;
-        let extent = extent.length().min(2.0 * screen.half.length());
-        let interpolation = ROUNDING_UNIT * depth_ratio * extent;
-        Bound {
-            curvature: Curvature { uu: second * uu, uv: degree * degree * uv, vv: second * vv },
-            rounding: rounding.pixels(screen) / depth + interpolation,
-            depth_ratio,
-            extent,
-            crosses_near,
-        }
-    }
-
-    /// The halves, cut at the middle of u.
-    pub(crate) fn halves_along_u(&self) -> [Self; 2] {
-        let mut halves = [*self; 2];
-        for axis in 0..5 {
-            for row in 0..N {
-                let [low, high] = halved(&self.axes[axis][row]);
-                halves[0].axes[axis][row] = low;
-                halves[1].axes[axis][row] = high;
-            }
-        }
-        halves
-    }
-
-    /// The halves, cut at the middle of v.
-    pub(crate) fn halves_along_v(&self) -> [Self; 2] {
-        let mut halves = [*self; 2];
-        for axis in 0..5 {
-            for column in 0..N {
-                let [low, high] = halved(&self.axes[axis].map(|row| row[column]));
-                for row in 0..N {
-                    halves[0].axes[axis][row][column] = low[row];
-                    halves[1].axes[axis][row][column] = high[row];
-                }
-            }
-        }
-        halves
-    }
-}
-
-/// What is seen of differences of control points.
-pub(super) struct Seen {
-    /// Pixels for a unit.
-    px: DVec2,
-    /// The middle of the ranges of x/w and y/w.
-    middle: DVec2,
-    /// Half of the ranges' lengths, in pixels for a unit of w.
-    reach: DVec2,
-}
-
-impl Seen {
-    /// For ranges [least, greatest] of x/w and y/w.
-    pub(super) fn new(px: DVec2, [[left, right], [bottom, top]]: [[f64; 2]; 2]) -> Self {
-        let (low, high) = (DVec2::new(left, bottom), DVec2::new(right, top));
-        // Rounding of the middle must not shorten them.
-        const WIDER: f64 = 1e-15;
-        Self { px, middle: 0.5 * (low + high), reach: px * (0.5 * (high - low) + WIDER) }
-    }
-
-    /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
-    pub(super) fn across_near(screen: &Screen, near: f64) -> Self {
-        let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
-        // Each axis by itself stays within 1/√2 of the tolerance.
-        let px = screen.half * std::f64::consts::SQRT_2 / near;
-        Self { px, middle: DVec2::ZERO, reach: px * (1.0 + t) }
-    }
-
-    /// The square of a difference's size on the screen, at most; x and y are about the middle and in
-    /// pixels.
-    #[inline]
-    fn squared(&self, x: f64, y: f64, w: f64) -> f64 {
-        let (x, y) = (x.abs() + self.reach.x * w.abs(), y.abs() + self.reach.y * w.abs());
-        x * x + y * y
-    }
-
-    /// The same of a difference in clip space.
-    pub(super) fn squared_of(&self, x: f64, y: f64, w: f64) -> f64 {
-        let about = (DVec2::new(x, y) - self.middle * w) * self.px;
-        self.squared(about.x, about.y, w)
-    }
-}
-
-/// The larger of two numbers, neither of which is NaN: what processors do in one step.
-#[inline]
-fn most(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The smaller.
-#[inline]
-fn least(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-/// Least and greatest x/w and y/w that can be seen.
-fn ranges<const N: usize>(
-    x: &[[f64; N]; N],
-    y: &[[f64; N]; N],
-    w: &[[f64; N]; N],
-) -> [[f64; 2]; 2] {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let points = x.as_flattened().iter().zip(y.as_flattened()).zip(w.as_flattened());
-    for ((x, y), w) in points {
-        let inverse = 1.0 / w;
-        for (axis, value) in [x * inverse, y * inverse].into_iter().enumerate() {
-            low[axis] = least(low[axis], value);
-            high[axis] = most(high[axis], value);
-        }
-    }
-    // Rounding of the inverse must not narrow them.
-    const WIDER: f64 = 1e-15;
-    [0, 1].map(|axis| [low[axis] - WIDER, high[axis] + WIDER].map(|value| value.clamp(-1.0, 1.0)))
-}
-
-/// De Casteljau's algorithm at ½: the control points of both halves.
-fn halved<const N: usize>(line: &[f64; N]) -> [[f64; N]; 2] {
-    let (mut low, mut high) = (*line, *line);
-    for (step, low) in low.iter_mut().enumerate().skip(1) {
-        for i in 0..N - step {
-            high[i] = 0.5 * (high[i] + high[i + 1]);
-        }
-        *low = high[0];
-    }
-    [low, high]
 }
 
 impl Curvature {
@@ -409,6 +182,7 @@ mod tests {
     use crate::{Degree, bezier::bernstein};
     use glam::{DVec3, dvec2};
     use proptest::prelude::*;
+    use wide::f64x2;
 
     const SIZE: UVec2 = UVec2::new(640, 400);
     const EXACT: Rounding = Rounding { x: 0.0, y: 0.0, w: 0.0 };
@@ -505,6 +279,15 @@ mod tests {
         most
     }
 
+    fn patches<const N: usize>(points: &[DVec4]) -> &[Points<N>] {
+        points.as_chunks().0.as_chunks().0
+    }
+
+    fn net<const N: usize>(points: &[DVec4], to_clip: DMat4) -> ClipNet<N> {
+        let weighed = points.iter().any(|point| point.w != 1.0);
+        ClipNet::new(|_| &patches(points)[0], weighed, &to_clip.into())
+    }
+
     fn check(
         degree: Degree,
         points: &[DVec4],
@@ -516,11 +299,11 @@ mod tests {
         let to_clip = projection.projection * projection.view;
         let (curvature, outside) = match degree {
             Degree::Cubic => {
-                let net = ClipNet::<4>::new(points, &to_clip.into());
+                let net = net::<4>(points, to_clip);
                 (net.bound(&screen, &EXACT).curvature, net.is_outside())
             }
             Degree::Quartic => {
-                let net = ClipNet::<5>::new(points, &to_clip.into());
+                let net = net::<5>(points, to_clip);
                 (net.bound(&screen, &EXACT).curvature, net.is_outside())
             }
         };
@@ -537,6 +320,27 @@ mod tests {
                 let inside = clip.truncate().abs().max_element() < clip.w;
                 prop_assert!(!inside, "{clip} is seen");
             }
+        }
+        Ok(())
+    }
+
+    /// Fails unless all that is told of two patches has the same bits as of each by itself.
+    fn check_side_by_side<const N: usize>(
+        both: [&[DVec4]; 2],
+        to_clip: DMat4,
+        screen: &Screen,
+        rounding: &Rounding,
+    ) -> Result<(), TestCaseError> {
+        let weighed = both.iter().any(|points| points.iter().any(|point| point.w != 1.0));
+        let pair: ClipNet<N, f64x2> =
+            ClipNet::new(|lane| &patches(both[lane])[0], weighed, &to_clip.into());
+        let (outside, bound) = (pair.outside(), pair.bound(screen, rounding));
+        for (lane, points) in both.into_iter().enumerate() {
+            let alone = net::<N>(points, to_clip);
+            let net = pair.lane(lane);
+            prop_assert_eq!(net.axes(), alone.axes());
+            prop_assert_eq!(outside.lane(lane), alone.outside());
+            prop_assert_eq!(bound.lane(lane), alone.bound(screen, rounding));
         }
         Ok(())
     }
@@ -560,19 +364,37 @@ mod tests {
         }
 
         #[test]
+        fn two_side_by_side_are_bounded_as_each_alone(
+            patches in prop_oneof![
+                prop::array::uniform2(points(Degree::Cubic)),
+                prop::array::uniform2(points(Degree::Quartic)),
+            ],
+            projection in projection(),
+        ) {
+            let to_clip = projection.projection * projection.view;
+            let screen = Screen::new(&projection, SIZE, 0.5);
+            let rounding = Rounding::new(&to_clip, 1.0);
+            let patches = patches.each_ref().map(Vec::as_slice);
+            match patches[0].len() {
+                16 => check_side_by_side::<4>(patches, to_clip, &screen, &rounding)?,
+                _ => check_side_by_side::<5>(patches, to_clip, &screen, &rounding)?,
+            }
+        }
+
+        #[test]
         fn halves_are_parts_of_the_patch(
             points in points(Degree::Quartic),
             projection in projection(),
             random in random(),
         ) {
             let to_clip = projection.projection * projection.view;
-            let net = ClipNet::<5>::new(&points, &to_clip.into());
+            let net = net::<5>(&points, to_clip);
             let [_, quarter] = net.halves_along_u()[1].halves_along_v();
             for numbers in &random[..10] {
                 let [u, v] = [numbers[0], numbers[1]];
                 let expected = to_clip
                     * homogeneous_at(Degree::Quartic, &points, 0.5 + 0.5 * u, 0.5 + 0.5 * v);
-                for (axis, expected) in quarter.axes.iter().zip(expected.to_array()) {
+                for (axis, expected) in quarter.axes().iter().zip(expected.to_array()) {
                     let found: f64 = (0..25)
                         .map(|i| bernstein(4, i % 5, u) * bernstein(4, i / 5, v) * axis[i / 5][i % 5])
                         .sum();

@@ -15,8 +15,9 @@ mod halving;
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec4;
+use wide::f64x2;
 
-use super::bound::{ClipNet, Rounding, Screen, ToClip};
+use super::bound::{ClipNet, Number, Points, Rounding, Screen, ToClip};
 use super::edges::{EdgeTable, SIDES};
 use super::parts::{FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
@@ -86,6 +87,30 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) first_patch: u32,
     pub(crate) number: u32,
     pub(crate) lists: Lists,
+}
+
+impl SurfacePatches<'_> {
+    /// Control points of all patches.
+    fn patches<const N: usize>(&self) -> &[Points<N>] {
+        self.points.as_chunks().0.as_chunks().0
+    }
+
+    /// Whether a patch faces away where that counts.
+    fn is_back<const N: usize>(&self, patch: usize) -> bool {
+        self.back.is_some_and(|(eye, sign)| {
+            let points = self.patches::<N>()[patch].as_flattened();
+            self.shapes[patch].faces_away(points, eye, sign)
+        })
+    }
+
+    /// Patches in clip space, one for each lane.
+    #[inline]
+    fn net<const N: usize, const L: usize, T: Number>(&self, patches: [usize; L]) -> ClipNet<N, T> {
+        // Of rational patches no normals are known.
+        let weighed = patches.iter().any(|patch| self.shapes[*patch].may_degenerate());
+        let points = patches.map(|patch| &self.patches::<N>()[patch]);
+        ClipNet::new(|lane| points[lane], weighed, &self.to_clip)
+    }
 }
 
 /// What a frame drew.
@@ -225,10 +250,11 @@ impl Plan {
         let level = f64::from(level.get());
         for patch in 0..surface.shapes.len() {
             self.figures.patches += 1;
-            let Some(net) = seen_net::<N>(surface, patch) else {
+            let net: ClipNet<N> = surface.net([patch]);
+            if surface.is_back::<N>(patch) || net.is_outside() {
                 self.figures.culled += 1;
                 continue;
-            };
+            }
             let bound = net.bound(screen, &surface.rounding);
             raise(&mut self.figures.largest_bound, bound.error([level; 2], screen));
             let cells = [fixed.parts.level; 2];
@@ -277,19 +303,51 @@ impl Plan {
         table: &EdgeTable,
         screen: &Screen,
     ) {
-        for patch in 0..surface.shapes.len() {
-            let number = self.states.len();
-            self.figures.patches += 1;
-            let state = seen_net::<N>(surface, patch)
-                .map(|net| self.decide(&net, screen, &surface.rounding))
-                .and_then(|state| self.without_cut_parts(state, surface.trims.as_deref_mut()))
-                .unwrap_or_default();
-            self.figures.culled += usize::from(!state.drawn);
-            self.states.push(state);
-            if state.drawn {
-                self.ask(state, table.of(number));
+        let count = surface.shapes.len();
+        for first in (0..count).step_by(2) {
+            // Two side by side; the last one of an odd number beside itself.
+            let patches = [first, (first + 1).min(count - 1)];
+            let states = self.decide_pair::<N>(surface, patches, screen);
+            for state in states.into_iter().take(count - first) {
+                let state = self.without_cut_parts(state, surface.trims.as_deref_mut());
+                let state = state.unwrap_or_default();
+                self.figures.patches += 1;
+                self.figures.culled += usize::from(!state.drawn);
+                if state.drawn {
+                    self.ask(state, table.of(self.states.len()));
+                }
+                self.states.push(state);
             }
         }
+    }
+
+    /// Decides about two patches.
+    #[inline]
+    fn decide_pair<const N: usize>(
+        &mut self,
+        surface: &SurfacePatches<'_>,
+        patches: [usize; 2],
+        screen: &Screen,
+    ) -> [State; 2] {
+        let mut states = [State::default(); 2];
+        let hidden = patches.map(|patch| surface.is_back::<N>(patch));
+        if hidden == [true; 2] {
+            return states;
+        }
+        let net: ClipNet<N, f64x2> = surface.net(patches);
+        let outside = net.outside();
+        let is_seen = |lane: usize| !hidden[lane] && outside.lane(lane) <= 0.0;
+        if !is_seen(0) && !is_seen(1) {
+            return states;
+        }
+        let bound = net.bound(screen, &surface.rounding);
+        for (lane, state) in states.iter_mut().enumerate() {
+            if is_seen(lane) {
+                let bound = bound.lane(lane);
+                *state = self.decide(bound, screen, &surface.rounding, || net.lane(lane));
+            }
+        }
+        states
     }
 
     /// Cells of the part in a column and row.
@@ -389,9 +447,10 @@ impl Plan {
         }
         let degenerate = usize::from(surface.shapes[patch].may_degenerate());
         let sides = state.halvings.map(|halvings| 1_u32 << halvings);
-        let borders = table.of(number);
-        let borders = [0, 1, 2, 3]
-            .map(|side| self.edges[borders[side]].rounded() >> state.halvings[axis_of(side)]);
+        let mut borders = [0; SIDES];
+        for (side, edge) in table.of(number).into_iter().enumerate() {
+            borders[side] = self.edges[edge].rounded() >> state.halvings[axis_of(side)];
+        }
         let mut trims = surface.trims.take();
         let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.halvings));
         let last = sides.map(|parts| parts as usize - 1);
@@ -450,15 +509,4 @@ impl Plan {
 /// The axis that a side runs along: sides u = 0 and u = 1 run along v.
 const fn axis_of(side: usize) -> usize {
     1 - side % 2
-}
-
-/// A patch in clip space, unless it is out of sight or faces away where that counts.
-#[inline]
-fn seen_net<const N: usize>(surface: &SurfacePatches<'_>, patch: usize) -> Option<ClipNet<N>> {
-    let points = &surface.points[patch * N * N..][..N * N];
-    if surface.back.is_some_and(|(eye, sign)| surface.shapes[patch].faces_away(points, eye, sign)) {
-        return None;
-    }
-    let net = ClipNet::new(points, &surface.to_clip);
-    (!net.is_outside()).then_some(net)
 }

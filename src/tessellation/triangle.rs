@@ -79,13 +79,13 @@ impl TriangleBound {
                     [low.min(at).max(-1.0), high.max(at).min(1.0)]
                 })
             };
-            Seen::new(screen.half() / least_w, [range(0), range(1)])
+            Seen::new(screen, least_w, [range(0), range(1)])
         };
         let (rows, second): (&[[usize; 3]], f64) =
             if points.len() == 10 { (&CUBIC, 6.0) } else { (&QUADRATIC, 2.0) };
         let bend = |[a, b, c]: &[usize; 3]| {
             let bend = (clip[*a] - clip[*b]) - (clip[*b] - clip[*c]);
-            seen.squared_of(bend.x, bend.y, bend.w)
+            seen.squared_in_clip([bend.x, bend.y, bend.w])
         };
         let largest = rows.iter().map(bend).fold(0.0, f64::max);
         Some(Self {

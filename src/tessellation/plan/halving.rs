@@ -27,39 +27,44 @@ pub(super) struct Leaf {
 
 impl Plan {
     /// How finely a patch that is seen must be cut.
+    #[inline]
     pub(super) fn decide<const N: usize>(
         &mut self,
-        net: &ClipNet<N>,
+        bound: Bound,
         screen: &Screen,
         rounding: &Rounding,
+        net: impl Fn() -> ClipNet<N>,
     ) -> State {
-        let bound = net.bound(screen, rounding);
         let extent = bound.extent as f32;
         let levels = wanted_levels(&bound, screen);
         if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
-            let cells = self.settle(net, &bound, levels, screen, rounding);
+            let cells = self.settle(&bound, levels, screen, rounding, net);
             return State { drawn: true, cells, extent, ..State::default() };
         }
         self.leaves.clear();
-        self.halve(net, screen, rounding, Leaf { halvings: [0; 2], place: [0; 2], cells: None });
+        self.halve(&net(), screen, rounding, Leaf { halvings: [0; 2], place: [0; 2], cells: None });
         State { extent, ..self.gather() }
     }
 
     /// The cells that a part is drawn with: at most what OpenGL draws. Their error is noted.
+    #[inline]
     fn settle<const N: usize>(
         &mut self,
-        net: &ClipNet<N>,
         bound: &Bound,
         levels: [f64; 2],
         screen: &Screen,
         rounding: &Rounding,
+        net: impl Fn() -> ClipNet<N>,
     ) -> [u8; 2] {
         let cells = levels.map(|level| level.min(MOST_CELLS.into()));
-        let error = left_over(net, bound, cells, screen, rounding, DEEPER);
-        raise(&mut self.figures.largest_bound, error);
+        let mut error = bound.error(cells, screen) + SUBPIXEL;
         if error > screen.tolerance() {
-            raise(&mut self.figures.unmet, error);
+            error = left_over(&net(), bound, cells, screen, rounding, DEEPER);
+            if error > screen.tolerance() {
+                raise(&mut self.figures.unmet, error);
+            }
         }
+        raise(&mut self.figures.largest_bound, error);
         cells.map(|cells| cells as u8)
     }
 
@@ -83,7 +88,7 @@ impl Plan {
         });
         let axis = match needs {
             [false, false] => {
-                let cells = self.settle(net, &bound, levels, screen, rounding);
+                let cells = self.settle(&bound, levels, screen, rounding, || *net);
                 self.leaves.push(Leaf { cells: Some(cells), ..part });
                 return;
             }
