@@ -268,39 +268,60 @@ pub fn holes(picture: &Image) -> Vec<Vec<(u32, u32)>> {
     holes
 }
 
-/// Whether the smooth surfaces cover a pixel and what is a pixel around it.
+/// Whether one sheet of the smooth surfaces covers a pixel and what is a pixel around it: the same side
+/// of it, in about the same depth. At silhouettes, where sheets end, half a tolerance may open a slit.
 pub fn is_covered(pieces: &[Piece], frame: &Frame, size: UVec2, (x, y): (u32, u32)) -> bool {
     const SIDE: usize = 64;
+    const SAME_DEPTH: f64 = 0.05;
     let to_clip = to_clip(frame);
     let middle = dvec2(f64::from(x) + 0.5, f64::from(size.y - 1 - y) + 0.5);
-    let mut around = vec![DVec2::ZERO, DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y];
-    around.iter_mut().for_each(|place| *place += middle);
+    let places = [DVec2::ZERO, DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|by| middle + by);
+    // The depth and the side of everything that covers each of them.
+    let mut covering: [Vec<(f64, bool)>; 5] = Default::default();
     let at = |piece: &Piece, i: usize, j: usize| {
         let place = [i, j, SIDE - i - j].map(|k| k as f64 / SIDE as f64);
         to_clip * piece.point(place).extend(1.0)
     };
-    for piece in pieces {
-        for i in 0..SIDE {
-            for j in 0..SIDE - i {
-                let first = [at(piece, i, j), at(piece, i + 1, j), at(piece, i, j + 1)];
-                let second = (i + j + 2 <= SIDE)
-                    .then(|| [at(piece, i + 1, j + 1), at(piece, i, j + 1), at(piece, i + 1, j)]);
-                for triangle in [Some(first), second].into_iter().flatten() {
-                    // What reaches before the near plane is cut there.
-                    if triangle.iter().any(|clip| clip.w <= 0.0 || clip.z < -clip.w) {
-                        continue;
+    // Pieces whose box on the screen, grown by its size, is elsewhere do not matter.
+    let is_near = |piece: &&Piece| {
+        let places = GRID.map(|place| to_clip * piece.point(place).extend(1.0));
+        if places.iter().any(|clip| clip.w <= 0.0) {
+            return true;
+        }
+        let places = places.map(|clip| pixels(clip, size));
+        let low = places.into_iter().reduce(DVec2::min).unwrap_or_default();
+        let high = places.into_iter().reduce(DVec2::max).unwrap_or_default();
+        let grown = high - low + 2.0;
+        middle.cmpge(low - grown).all() && middle.cmple(high + grown).all()
+    };
+    for piece in pieces.iter().filter(is_near) {
+        for (i, j) in (0..SIDE).flat_map(|i| (0..SIDE - i).map(move |j| (i, j))) {
+            let first = [at(piece, i, j), at(piece, i + 1, j), at(piece, i, j + 1)];
+            let second = (i + j + 2 <= SIDE)
+                .then(|| [at(piece, i + 1, j + 1), at(piece, i, j + 1), at(piece, i + 1, j)]);
+            for triangle in [Some(first), second].into_iter().flatten() {
+                // What reaches before the near plane is cut there.
+                if triangle.iter().any(|clip| clip.w <= 0.0 || clip.z < -clip.w) {
+                    continue;
+                }
+                let [a, b, c] = triangle.map(|clip| pixels(clip, size));
+                for (place, covering) in places.iter().zip(&mut covering) {
+                    let side = |a: DVec2, b: DVec2| (b - a).perp_dot(*place - a);
+                    let sides = [side(a, b), side(b, c), side(c, a)];
+                    if sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0) {
+                        covering.push((triangle[0].w, sides.iter().sum::<f64>() > 0.0));
                     }
-                    let [a, b, c] = triangle.map(|clip| pixels(clip, size));
-                    around.retain(|p| {
-                        let side = |a: DVec2, b: DVec2| (b - a).perp_dot(*p - a);
-                        let sides = [side(a, b), side(b, c), side(c, a)];
-                        !(sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0))
-                    });
                 }
             }
         }
     }
-    around.is_empty()
+    let [middle, around @ ..] = covering;
+    middle.iter().any(|(depth, side)| {
+        let same = |(other, of): &(f64, bool)| {
+            of == side && (other - depth).abs() < SAME_DEPTH * depth.max(*other)
+        };
+        around.iter().all(|covering| covering.iter().any(same))
+    })
 }
 
 /// Pixels that show the inside of closed meshes to an eye outside of them, as through a crack.
@@ -318,7 +339,7 @@ pub fn insides(aovs: &Aovs, frame: &Frame) -> usize {
 
 /// Pixels that show nothing though the surface is there: small groups of them, shut in.
 pub fn cracks(picture: &Image, pieces: &[Piece], frame: &Frame, size: UVec2) -> usize {
-    const SMALL: usize = 40;
+    const SMALL: usize = 8;
     holes(picture)
         .into_iter()
         .filter(|hole| hole.len() <= SMALL)
