@@ -90,7 +90,7 @@ fn main() {
             criterion.bench_function(&format!("tessellated: {name}"), |b| b.iter(&mut tessellated));
             let still = Renderer::new(gl).expect("a renderer");
             let mut static_mesh = || {
-                mesh.draw(black_box(&still), &scene, &frame);
+                mesh.draw(black_box(&still), &frame);
                 gpu::finish(gl);
             };
             criterion.bench_function(&format!("static mesh: {name}"), |b| b.iter(&mut static_mesh));

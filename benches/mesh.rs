@@ -1,7 +1,10 @@
-//! What a step of smoothing costs in software, for meshes of a thousand to a million triangles.
+//! What a step of smoothing costs in software, for meshes of a thousand to a million triangles, and what
+//! smooth triangles cost in the tessellation stages beside such a step's mesh.
 //!
 //! `cargo bench --bench mesh` prints medians, ratios and the bars they should stay under; names after
-//! `--` choose sections: steps, memory.
+//! `--` choose sections: steps, memory, gpu, moving.
+
+mod static_mesh;
 
 #[path = "../tests/shapes/mod.rs"]
 mod shapes;
@@ -9,11 +12,15 @@ mod turns;
 
 use std::hint::black_box;
 
+use freeform_surface::gpu::{self, Framebuffer};
 use freeform_surface::{
-    CurvedTriangle, HalfedgeMesh, Mesh, PnTriangle, SmoothTriangle, Smoothing, smooth,
+    Alpha, Backend, CurvedTriangle, Frame, HalfedgeMesh, Headless, Mesh, MeshModel, PnTriangle,
+    PreparedScene, RenderSettings, Renderer, Scene, SmoothTriangle, Smoothing, TessLevel,
+    Tessellation, Tolerance, smooth,
 };
-use glam::DVec3;
+use glam::{DMat4, DVec3, dvec3};
 use shapes::torus;
+use static_mesh::StaticMesh;
 use turns::{in_turns, line};
 
 /// Of tori, whose triangles are four times the square of it.
@@ -21,7 +28,8 @@ const SIDES: [u32; 4] = [16, 50, 158, 500];
 
 fn main() {
     let asked: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let sections: [(&str, fn()); 2] = [("steps", steps), ("memory", memory)];
+    let sections: [(&str, fn()); 4] =
+        [("steps", steps), ("memory", memory), ("gpu", on_the_gpu), ("moving", moving)];
     for (name, section) in sections {
         if asked.is_empty() || asked.iter().any(|asked| asked == name) {
             section();
@@ -120,5 +128,92 @@ fn memory() {
             + size_of_val(smoothed.triangles());
         let ratio = (figure("VmHWM:") - before) / output as f64;
         line(&format!("{steps} steps: growth at most / bytes of the result"), ratio, "≤ 3");
+    }
+}
+
+/// A scene of one mesh.
+fn scene_of(mesh: &Mesh, smoothing: Smoothing, tessellation: Tessellation) -> Scene {
+    let model = MeshModel::new(mesh.clone(), smoothing).expect("a torus");
+    let settings = RenderSettings { tessellation, ..RenderSettings::default() };
+    let (surfaces, meshes, files) = (Vec::new(), vec![model], Vec::new());
+    Scene { files, camera: None, up: DVec3::Y, settings, surfaces, meshes }
+}
+
+/// Still frames at level 3, which is 13 triangles for each, beside the nine of a step in software, drawn
+/// as a static mesh with the same fragment stage.
+fn on_the_gpu() {
+    const SIDE: u32 = 1024;
+    const FRAGMENT: [(&str, &str); 3] = [
+        ("normal.frag", include_str!("../glsl/common/normal.frag")),
+        ("phong.glsl", include_str!("../glsl/common/phong.glsl")),
+        ("surface.frag", include_str!("../glsl/exact/surface.frag")),
+    ];
+    println!();
+    let context = Headless::new(Backend::Auto).expect("an OpenGL context");
+    let gl = context.gl();
+    println!("{}, {}", context.info().renderer, context.info().version);
+    let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
+    target.bind();
+    for side in [16, 71] {
+        let mesh = torus(side);
+        for (name, smoothing) in
+            [("PN", Smoothing::Pn), ("Phong", Smoothing::Phong(Alpha::default()))]
+        {
+            let level = TessLevel::new(3).expect("a level");
+            let scene = scene_of(&mesh, smoothing, Tessellation::Level(level));
+            let mut renderer = Renderer::new(gl).expect("a renderer");
+            let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
+            let frame =
+                Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
+            let step = smooth(mesh.clone(), smoothing, 1).expect("a torus");
+            let grey = image::Rgba([204, 204, 204, 255]);
+            let defines = [("PHONG", 1), ("SAMPLES", 1)];
+            let still = StaticMesh::of_mesh(gl, &step, grey, &defines, &FRAGMENT);
+            let clearing = Renderer::new(gl).expect("a renderer");
+            let ms = in_turns(&mut [
+                &mut || {
+                    prepared.draw(&mut renderer, &frame).expect("it draws");
+                    gpu::finish(gl);
+                },
+                &mut || {
+                    still.draw(&clearing, &frame);
+                    gpu::finish(gl);
+                },
+            ]);
+            let triangles = mesh.triangles().len();
+            let what = format!("{name}, {triangles} triangles at level 3: {:.2} ms", ms[0]);
+            line(&format!("{what} / a step's mesh"), ms[0] / ms[1], "≤ 1.3");
+        }
+    }
+}
+
+/// The pass over all triangles when the camera moves.
+fn moving() {
+    println!();
+    let context = Headless::new(Backend::Auto).expect("an OpenGL context");
+    let gl = context.gl();
+    let target = Framebuffer::new(gl, 64, 64).expect("a picture of the bench");
+    target.bind();
+    let half_a_pixel = Tessellation::Within(Tolerance::new(0.5).expect("a tolerance"));
+    for side in [16, 50, 158] {
+        let mesh = torus(side);
+        let scene = scene_of(&mesh, Smoothing::Pn, half_a_pixel);
+        let renderer = Renderer::new(gl).expect("a renderer");
+        let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
+        let frame = Frame { projection: scene.projection(64, 64), settings: scene.settings };
+        // Two views in turns, so that each is new.
+        let mut other = frame;
+        other.projection.view =
+            DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.projection.view;
+        let views = [frame, other];
+        let mut turn = 0;
+        let ms = in_turns(&mut [&mut || {
+            turn += 1;
+            prepared.prepare(&renderer, &views[turn % 2]).expect("it fits");
+        }]);
+        let triangles = mesh.triangles().len();
+        line(&format!("{triangles} triangles, a new view: ms"), ms[0], "");
+        let each = ms[0] * 1e6 / triangles as f64;
+        line(&format!("{triangles} triangles, a new view: ns a triangle"), each, "linear");
     }
 }

@@ -132,7 +132,7 @@ fn static_meshes(gl: &Arc<glow::Context>) {
             let frame = ours.frame;
             let still = Renderer::new(gl).expect("a renderer");
             let ms = in_turns(&mut [&mut || ours.draw(), &mut || {
-                mesh.draw(&still, &scene, &frame);
+                mesh.draw(&still, &frame);
                 gpu::finish(gl);
             }]);
             let bar = if cells >= 8 { "≤ 1.3" } else { "≤ 1.8" };

@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use freeform_surface::{
-    Alpha, Backend, CreaseAngle, Error, Method, NewtonTrims, Normals, Samples, Scene, TessLevel,
-    Tessellation, Tolerance,
+    Alpha, Backend, CreaseAngle, Error, Method, NewtonTrims, Normals, Samples, Scene, Smoothing,
+    TessLevel, Tessellation, Tolerance,
 };
 
 use exr::AovFile;
@@ -37,7 +37,8 @@ pub(crate) struct Arguments {
 enum Command {
     /// Render scene files to PNG pictures.
     Render(RenderArguments),
-    /// Measure how far pictures of scenes are from their surfaces, pixel by pixel.
+    /// Measure how far pictures of scenes are from their Bézier surfaces, pixel by pixel; meshes are
+    /// left out.
     Measure(MeasureArguments),
     /// Smooth a triangle mesh: every step makes nine triangles of each.
     Smooth(SmoothArguments),
@@ -49,7 +50,7 @@ enum Command {
 
 #[derive(Debug, Args)]
 struct RenderArguments {
-    /// Scene files: .toml, or .bpt for bare Bézier patches.
+    /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for a triangle mesh.
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 
@@ -64,6 +65,10 @@ struct RenderArguments {
 
     #[command(flatten)]
     look: LookArguments,
+
+    /// How meshes become smooth surfaces: none, pn or phong, instead of the scene's.
+    #[arg(long, value_name = "METHOD", value_parser = smoothing)]
+    smoothing: Option<Smoothing>,
 
     /// Write what each pixel's centre shows as 32-bit floats: uv (u, v and the number of the patch),
     /// position and normal (in world space), or depth (along the view axis). May be given several
@@ -264,6 +269,15 @@ fn resolution(text: &str) -> Result<(u32, u32), String> {
 
 fn method(text: &str) -> Result<Method, String> {
     text.parse().map_err(|_| "expected exact or thesis".into())
+}
+
+fn smoothing(text: &str) -> Result<Smoothing, String> {
+    match text {
+        "none" => Ok(Smoothing::None),
+        "pn" => Ok(Smoothing::Pn),
+        "phong" => Ok(Smoothing::Phong(Alpha::default())),
+        _ => Err("expected none, pn or phong".into()),
+    }
 }
 
 fn samples(text: &str) -> Result<Samples, String> {

@@ -427,3 +427,28 @@ fn one_bad_scene_does_not_stop_the_others() {
     assert!(folder.path("out/a.png").exists() && folder.path("out/c.png").exists());
     assert!(!folder.path("out/bad.png").exists());
 }
+
+#[test]
+fn meshes_are_smoothed_as_asked() {
+    let folder = Folder::new();
+    let mesh = resource("meshes/icosahedron.obj");
+    folder.write("a.toml", format!("[[mesh]]\nfile = {mesh:?}\nsmoothing = \"pn\"\n"));
+    let picture = |arguments: &[&str]| {
+        let all = [&["render", "-o", "a.png", "--resolution", "60x40"], arguments].concat();
+        let output = folder.run(&all);
+        assert!(output.status.success(), "{output:?}");
+        image::open(folder.path("a.png")).unwrap().into_rgba8()
+    };
+    let flat = picture(&[&mesh]);
+    let [pn, phong] = ["pn", "phong"].map(|method| picture(&[&mesh, "--smoothing", method]));
+    assert!(flat != pn && pn != phong && flat != phong);
+    assert_eq!(picture(&["a.toml"]), pn);
+    assert_eq!(picture(&["a.toml", "--smoothing", "none"]), flat);
+    let output = folder.run(&["render", &mesh, "--smoothing", "loop"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("expected none, pn or phong"), "{output:?}");
+    let output = folder.run(&["render", "a.toml", "--verbose", "--level", "3", "-o", "a.png"]);
+    let said = text(&output.stdout) + &text(&output.stderr);
+    assert!(said.contains("patches 20 drawn, 0 culled"), "{said}");
+    assert!(said.contains("triangles 260, draws 1"), "{said}");
+}

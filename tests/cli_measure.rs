@@ -311,3 +311,24 @@ fn verbose_says_what_was_drawn() {
     assert!(thesis.contains("patches 2 drawn, 0 culled\ntriangles 4096, draws "), "{thesis}");
     assert!(!thesis.contains("px from the surface"), "{thesis}");
 }
+
+#[test]
+fn measure_leaves_meshes_out() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let mesh = format!("[[mesh]]\nfile = {:?}\n", resource("meshes/torus.obj"));
+    folder.write("b.toml", format!("{SCENE}\n{mesh}"));
+    let one = |name: &str| {
+        let mut object = objects(&folder, &[name]).remove(0);
+        for key in ["ms", "scene"] {
+            object.as_object_mut().unwrap().remove(key);
+        }
+        object
+    };
+    assert_eq!(one("a.toml"), one("b.toml"));
+    folder.write("c.toml", mesh);
+    let output = folder.run(&["measure", "c.toml"]);
+    let said = text(&output.stderr);
+    assert_eq!((output.status.code(), said.lines().count()), (Some(1), 1), "{said}");
+    assert!(said.contains("c.toml") && said.contains("no Bézier surface"), "{said}");
+}

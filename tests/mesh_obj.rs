@@ -3,7 +3,7 @@
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use freeform_surface::{Corner, CreaseAngle, Mesh, Result, Smoothing, smooth};
+use freeform_surface::{Corner, CreaseAngle, Mesh, Result, Scene, Smoothing, smooth};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use proptest::prelude::*;
 
@@ -193,5 +193,40 @@ proptest! {
             text += &format!("f {}\n", corners.join(" "));
         }
         answers(text.as_bytes());
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_mesh_of_a_scene_is_said_with_file_and_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("good.obj", &format!("{SQUARE}f 1 2 3 4\n"));
+    write("bad.obj", &format!("{SQUARE}f 1 2 9\n"));
+    // Three triangles at one edge.
+    write("fan.obj", &format!("{SQUARE}v 0 0 1\nv 0 0 2\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"));
+    let read = |mesh: &str| {
+        let text = format!("[render]\nlevel = 2\n\n[[mesh]]\n{mesh}\n");
+        Scene::from_toml(&text, &folder.path().join("scene.toml"))
+    };
+    assert_eq!(read("file = \"good.obj\"\nsmoothing = \"pn\"").unwrap().meshes.len(), 1);
+    let good = "file = \"good.obj\"\nsmoothing = \"phong\"\n";
+    for (mesh, line, words) in [
+        (format!("{good}alpha = 1.5"), 7, ["alpha", "1.5", "from 0 to 1"]),
+        ("file = \"good.obj\"\nalpha = 0.5".into(), 6, ["alpha", "0.5", "phong"]),
+        (format!("{good}level = 65"), 7, ["level", "65", "64"]),
+        (format!("{good}crease_degrees = 181"), 7, ["crease_degrees", "181", "180"]),
+        (format!("{good}scale = 0"), 4, ["scale", "0", "other than 0"]),
+        (format!("{good}color = [0, 0, 2]"), 7, ["color", "2", "0 to 1"]),
+        (format!("{good}smooth = 1"), 7, ["smooth", "unknown field", "smoothing"]),
+        ("file = \"good.obj\"\nsmoothing = \"loop\"".into(), 6, ["loop", "pn", "phong"]),
+        ("smoothing = \"pn\"".into(), 4, ["missing", "file", "scene.toml"]),
+        ("file = \"none.obj\"".into(), 5, ["none.obj", "No such file", "read"]),
+        ("file = \"bad.obj\"".into(), 5, ["bad.obj", "5", "9"]),
+        ("file = \"fan.obj\"".into(), 5, ["fan.obj", "edge between vertices 1", "3 triangles"]),
+    ] {
+        let text = read(&mesh).unwrap_err().to_string();
+        let place = format!("scene.toml:{line}: ");
+        assert!(text.contains(&place) && text.lines().count() == 1, "{mesh}: {text}");
+        assert!(words.iter().all(|word| text.contains(word)), "{mesh}: {text}");
     }
 }

@@ -49,7 +49,7 @@ fn parse(text: &str) {
         [Scene::from_toml(text, Path::new("x.toml")), Scene::from_bpt(text, Path::new("x.bpt"))]
     {
         match scene {
-            Ok(scene) => assert!(!scene.surfaces.is_empty()),
+            Ok(scene) => assert!(!scene.surfaces.is_empty() || !scene.meshes.is_empty()),
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
         }
     }
@@ -78,6 +78,14 @@ interval = { u = [0.1, 0.2], v = [0.1, 0.2] }
 ellipse = { center = [0.5, 0.5], radii = [0.2, 0.1] }
 [[surface.trim]]
 loop = [[[0.2, 0.5], [0.5, 0.9], [0.8, 0.5]], [[0.8, 0.5], [0.5, 0.1], [0.2, 0.5]]]
+[[mesh]]
+file = "resources/meshes/cube.obj"
+smoothing = "phong"
+alpha = 0.5
+level = 3
+crease_degrees = 30.0
+color = [0.5, 0.5, 0.5]
+scale = 2.0
 "#;
 
 const TRIMMED: &str = r#"
@@ -207,6 +215,8 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         ("empty surfaces", filled("[[surface]]\n")),
         ("surfaces", filled("[[surface]]\ncontrol_points=\"default\"\n")),
         ("inline surfaces", format!("surface=[{}]", filled("{control_points=\"default\"},"))),
+        ("meshes", filled("[[mesh]]\nfile=\"x.obj\"\n")),
+        ("inline meshes", format!("mesh=[{}]", filled("{file=\"x.obj\"},"))),
         ("trims", in_surfaces("[[surface.trim]]\ncircle={center=[0,0],radius=1}\n")),
         ("trims in arrays", in_surfaces("trim=[{loop=[[[0,0],[0,0]],[[0,0],[0,0]]]}]\n")),
         (

@@ -11,11 +11,12 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 
 use freeform_surface::gpu::Framebuffer;
 use freeform_surface::{
-    Frame, PreparedScene, Renderer, Scene, Segment, TessLevel, Tessellation, TrimGrid, TrimLoop,
+    CreaseAngle, Frame, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment, Smoothing,
+    TessLevel, Tessellation, TrimGrid, TrimLoop,
 };
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
-use common::{Checked, backends};
+use common::{Checked, backends, root};
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 
@@ -99,7 +100,7 @@ fn hole(center: DVec2, radius: f64) -> TrimLoop {
 }
 
 #[test]
-fn a_still_scene_of_a_thousand_trimmed_surfaces_builds_uploads_and_allocates_nothing() {
+fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_allocates_nothing() {
     let context = Checked::new(backends()[0]);
     let gl = counted(&context);
     let mut scene = Scene::listing16();
@@ -115,6 +116,9 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_builds_uploads_and_allocates_not
         }
         scene.surfaces.push(surface);
     }
+    // And a mesh, whose triangles have levels of their own.
+    let torus = Mesh::load_obj(&root().join("resources/meshes/torus.obj"), CreaseAngle::default());
+    scene.meshes.push(MeshModel::new(torus.unwrap(), Smoothing::Pn).unwrap());
     let target = Framebuffer::new(&gl, 64, 64).unwrap();
     let mut renderer = Renderer::new(&gl).unwrap();
     let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
@@ -126,8 +130,9 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_builds_uploads_and_allocates_not
         [ALLOCATIONS.load(Relaxed) - before[0], UPLOADS.load(Relaxed) - before[1]]
     };
     let [allocations, uploads] = draw(&mut prepared);
-    // The grid of each surface; the parts of all and their matrices, once to make room for them.
-    assert!(allocations > 10_000 && uploads == 1000 + 3, "{allocations} {uploads}");
+    // The grid of each surface; the parts of all and their matrices, once to make room for them; the
+    // levels of the mesh.
+    assert!(allocations > 10_000 && uploads == 1000 + 3 + 1, "{allocations} {uploads}");
     for _ in 0..3 {
         assert_eq!(draw(&mut prepared), [0, 0]);
     }

@@ -1,16 +1,17 @@
 //! What tessellation is measured against: the same triangles, computed beforehand.
-#![allow(unreachable_pub, reason = "every bench is a crate that uses this")]
+#![allow(dead_code, unreachable_pub, reason = "every bench is a crate that uses a part of it")]
 #![allow(unsafe_code, reason = "the mesh is drawn with OpenGL itself")]
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use freeform_surface::gpu::{Program, ShaderPart, Stage, StageKind, Texture};
 use freeform_surface::renderer::programs::location;
-use freeform_surface::{Frame, Paint, Patch, Renderer, Scene};
-use glam::DVec3;
+use freeform_surface::{Circle, Frame, Image, Mesh, Paint, Patch, Renderer, Scene};
+use glam::{DVec3, Mat4};
 use glow::HasContext;
 
-/// The triangles of a scene's one surface at its level.
+/// Triangles with positions, u, normals and v at their corners.
 pub struct StaticMesh {
     gl: Arc<glow::Context>,
     vertex_array: glow::VertexArray,
@@ -18,10 +19,28 @@ pub struct StaticMesh {
     count: i32,
     program: Program,
     texture: Texture,
+    transform: Mat4,
+    circle: Option<Circle>,
+}
+
+/// The triangles of a mesh, one vertex for each pair of position and normal.
+fn indexed(mesh: &Mesh) -> (Vec<[f32; 8]>, Vec<u32>) {
+    let mut numbers = HashMap::new();
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    for corner in mesh.triangles().iter().flatten() {
+        indices.push(*numbers.entry((corner.position, corner.normal)).or_insert_with(|| {
+            let p = mesh.positions()[corner.position as usize];
+            let n = mesh.normals()[corner.normal as usize];
+            vertices.push([p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|value| value as f32));
+            vertices.len() as u32 - 1
+        }));
+    }
+    (vertices, indices)
 }
 
 impl StaticMesh {
-    /// A mesh that is drawn with these parts of a fragment stage, its normals by `normal`.
+    /// The triangles of a scene's one surface at its level, its normals by `normal`, drawn with these
+    /// parts of a fragment stage.
     pub fn new(
         gl: &Arc<glow::Context>,
         scene: &Scene,
@@ -47,6 +66,33 @@ impl StaticMesh {
                 indices.extend([corner, corner + 1, above, corner + 1, above + 1, above]);
             }
         }
+        let Paint::Texture(image) = &surface.paint else { unreachable!("the scene has bricks") };
+        let mut made = Self::of(gl, (&vertices, &indices), image, defines, fragment);
+        made.transform = surface.transform.as_mat4();
+        made.circle = surface.trims.circles.first().copied();
+        made
+    }
+
+    /// A mesh in one colour.
+    pub fn of_mesh(
+        gl: &Arc<glow::Context>,
+        mesh: &Mesh,
+        color: image::Rgba<u8>,
+        defines: &[(&str, u32)],
+        fragment: &[(&'static str, &'static str)],
+    ) -> Self {
+        let (vertices, indices) = indexed(mesh);
+        let image = Image::from_pixel(1, 1, color);
+        Self::of(gl, (&vertices, &indices), &image, defines, fragment)
+    }
+
+    fn of(
+        gl: &Arc<glow::Context>,
+        (vertices, indices): (&[[f32; 8]], &[u32]),
+        image: &Image,
+        defines: &[(&str, u32)],
+        fragment: &[(&'static str, &'static str)],
+    ) -> Self {
         let part = |file, text: &'static str| ShaderPart { file, text: text.into() };
         let stages = [
             Stage {
@@ -59,16 +105,15 @@ impl StaticMesh {
             },
         ];
         let program = Program::new(gl, "static mesh", defines, &stages, &[]).expect("it links");
-        let Paint::Texture(image) = &surface.paint else { unreachable!("the scene has bricks") };
-        let texture = Texture::new(gl, "bricks", image).expect("the bricks fit");
+        let texture = Texture::new(gl, "picture", image).expect("the picture fits");
         // SAFETY: the context is current; the objects are new, filled and described as they are.
         unsafe {
             let vertex_array = gl.create_named_vertex_array().expect("a vertex array");
             let vertex_buffer = gl.create_named_buffer().expect("a buffer");
             let index_buffer = gl.create_named_buffer().expect("a buffer");
-            let bytes = bytemuck::cast_slice(&vertices);
+            let bytes = bytemuck::cast_slice(vertices);
             gl.named_buffer_data_u8_slice(vertex_buffer, bytes, glow::STATIC_DRAW);
-            let bytes = bytemuck::cast_slice(&indices);
+            let bytes = bytemuck::cast_slice(indices);
             gl.named_buffer_data_u8_slice(index_buffer, bytes, glow::STATIC_DRAW);
             gl.vertex_array_vertex_buffer(vertex_array, 0, Some(vertex_buffer), 0, 32);
             gl.vertex_array_element_buffer(vertex_array, Some(index_buffer));
@@ -91,18 +136,20 @@ impl StaticMesh {
                 count: indices.len() as i32,
                 program,
                 texture,
+                transform: Mat4::IDENTITY,
+                circle: None,
             }
         }
     }
 
     /// Draws it, after clearing.
-    pub fn draw(&self, renderer: &Renderer, scene: &Scene, frame: &Frame) {
+    pub fn draw(&self, renderer: &Renderer, frame: &Frame) {
         renderer.clear(frame.settings.background);
         self.program.bind();
-        self.program.set_mat4(location::MODEL, &scene.surfaces[0].transform.as_mat4());
+        self.program.set_mat4(location::MODEL, &self.transform);
         self.program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
         self.program.set_mat4(location::PROJECTION, &frame.projection.projection.as_mat4());
-        if let Some(circle) = scene.surfaces[0].trims.circles.first() {
+        if let Some(circle) = &self.circle {
             self.program.set_i32(location::CIRC_BOOL, 1);
             self.program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());
             self.program.set_f32(location::TRIM_RADIUS, circle.radius as f32);

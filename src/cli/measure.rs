@@ -71,6 +71,15 @@ impl<'a> Bench<'a> {
     fn measure(&mut self, path: &Path, bar: &ProgressBar) -> Result<Report> {
         let mut scene = Scene::load(path)?;
         self.arguments.look.apply(&mut scene, path)?;
+        // What is compared with are Bézier surfaces, so those are drawn alone.
+        scene.meshes.clear();
+        if scene.surfaces.is_empty() {
+            return Err(Error::File {
+                action: "measure",
+                path: path.to_owned(),
+                reason: "it has no Bézier surface; meshes are not measured".into(),
+            });
+        }
         let mut prepared = PreparedScene::new(&self.renderer, &scene)?;
         let mut report = Report {
             scene: path.display().to_string(),

@@ -70,6 +70,9 @@ impl Loaded {
         let start = Instant::now();
         let mut scene = Scene::load(path)?;
         arguments.look.apply(&mut scene, path)?;
+        if let Some(smoothing) = arguments.smoothing {
+            scene.meshes.iter_mut().for_each(|mesh| mesh.set_smoothing(smoothing));
+        }
         let settings = &mut scene.settings;
         settings.samples = arguments.samples.unwrap_or(settings.samples);
         settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);

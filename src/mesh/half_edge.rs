@@ -98,21 +98,26 @@ impl Connectivity {
                 _ => of(triangle, k + 1, 0, 2),
             }
         };
-        let mut twins = vec![NONE; 9 * self.twins.len()];
-        let mut pair = |a: u32, b: u32| {
-            twins[a as usize] = b;
-            twins[b as usize] = a;
+        // What runs along a third of an old half-edge from the other side.
+        let across = |halfedge: u32, part: u32| match self.twins[halfedge as usize] {
+            NONE => NONE,
+            twin => third(twin, 2 - part),
         };
-        for halfedge in 0..self.twins.len() as u32 {
-            let (triangle, k) = (halfedge / 3, halfedge % 3);
-            pair(of(triangle, k, 0, 1), of(triangle, k, 1, 2));
-            pair(of(triangle, k, 1, 0), of(triangle, k, 2, 2));
-            pair(of(triangle, k + 1, 1, 1), of(triangle, k, 2, 1));
-        }
-        for (halfedge, twin) in self.pairs() {
-            for part in 0..3 {
-                pair(third(halfedge, part), third(twin, 2 - part));
-            }
+        let mut twins = Vec::with_capacity(9 * self.twins.len());
+        for (halfedge, triangle) in (0..self.twins.len() as u32).map(|h| (h, h / 3)) {
+            let k = halfedge % 3;
+            let before = 3 * triangle + (k + 2) % 3;
+            twins.extend([
+                across(halfedge, 0),
+                of(triangle, k, 1, 2),
+                across(before, 2),
+                of(triangle, k, 2, 2),
+                of(triangle, k + 2, 2, 1),
+                of(triangle, k, 0, 1),
+                across(halfedge, 1),
+                of(triangle, k + 1, 1, 1),
+                of(triangle, k, 1, 0),
+            ]);
         }
         Self::of_twins(twins)
     }

@@ -19,7 +19,7 @@ pub struct DrawnVertex {
     pub clip: [f32; 4],
     /// View space, and 1.
     pub position: [f32; 4],
-    /// View space, unit length, Sv × Su.
+    /// View space, unit length, Sv × Su; of meshes inwards.
     pub normal: [f32; 3],
     /// Place in the domain; of a mesh's triangle the weights of its second and third corner.
     pub uv: [f32; 2],

@@ -34,15 +34,7 @@ impl MeshModel {
     /// An edge that no surface has, as [`HalfedgeMesh::new`] tells.
     pub fn new(mesh: Mesh, smoothing: Smoothing) -> Result<Self> {
         let mesh = Arc::new(HalfedgeMesh::new(mesh)?);
-        let mut hull = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for triangle in 0..mesh.mesh().triangles().len() as u32 {
-            let curved = Curved::new(&mesh.triangle(triangle), smoothing);
-            curved.with_control_points(|points| {
-                for point in points {
-                    hull = [hull[0].min(*point), hull[1].max(*point)];
-                }
-            });
-        }
+        let hull = hull(&mesh, smoothing);
         Ok(Self {
             mesh,
             smoothing,
@@ -64,6 +56,12 @@ impl MeshModel {
     #[must_use]
     pub const fn smoothing(&self) -> Smoothing {
         self.smoothing
+    }
+
+    /// Changes how they become one.
+    pub fn set_smoothing(&mut self, smoothing: Smoothing) {
+        self.smoothing = smoothing;
+        self.hull = hull(&self.mesh, smoothing);
     }
 
     /// The corners of a box in model space that holds the surface: the least and the greatest.
@@ -106,6 +104,20 @@ impl MeshModel {
                 .map(|point| self.transform.transform_point3(point))
         })
     }
+}
+
+/// The corners of a box around the control points of all triangles.
+fn hull(mesh: &HalfedgeMesh, smoothing: Smoothing) -> [DVec3; 2] {
+    let mut hull = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    for triangle in 0..mesh.mesh().triangles().len() as u32 {
+        let curved = Curved::new(&mesh.triangle(triangle), smoothing);
+        curved.with_control_points(|points| {
+            for point in points {
+                hull = [hull[0].min(*point), hull[1].max(*point)];
+            }
+        });
+    }
+    hull
 }
 
 /// A smooth surface over a triangle, of either kind. What is not smoothed is Phong's with α = 0.

@@ -9,9 +9,14 @@
 //! their largest. OpenGL's tessellator keeps its triangles in circles of radius 1/(√3·n), which makes
 //! 5/18 of the largest, over n².
 //!
-//! A triangle is cut evenly by the largest level of its edges, and an edge has the larger need of its
-//! two sides. Where an edge is coarser than the inside, vertices move along it to its own places, up to
-//! one of its levels; what that adds at borders is not bounded here but measured (`tests/triangles.rs`).
+//! A triangle is cut evenly by the largest level m of its edges, and an edge has the larger need of its
+//! two sides, so no edge's level n is below what the triangle needs by itself. Where n < m, vertices of
+//! the edge move along it to its own places, less than 1/n towards the middle, as the diagonals of the
+//! cells point that Mesa and Direct3D draw. Of the two triangles of a cell, which is 1/m long and
+//! 1/(√3·m) high, the one that stands on the edge then is 1/n long (or nothing), with its third corner
+//! above it; the other one has a third corner on the edge, less than 1/n along it from the others' ends.
+//! Either lies in a circle of radius 1/(√3·n): the bound holds at borders too. Where a driver's diagonals
+//! point the other way, triangles there may reach twice as far.
 
 use glam::{DMat4, DVec3, DVec4};
 

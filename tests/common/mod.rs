@@ -1,6 +1,7 @@
 //! What the tests share: pictures from the GPU, and comparisons that say what differs.
 #![allow(dead_code, unreachable_pub, reason = "every test file is a crate that uses a part of it")]
 
+pub mod meshes;
 pub mod oracle;
 #[cfg(feature = "cli")]
 pub mod program;
