@@ -261,8 +261,13 @@ mod tests {
         let all = measured(&aovs_of_square());
         assert!(all.max_error_px < 1e-5 && all.normal_error_deg < 1e-5, "{all:?}");
         let none = Measurement { covered: 400, expected: 400, ..Measurement::default() };
-        let counts =
-            Measurement { max_error_px: 0.0, mean_error_px: 0.0, normal_error_deg: 0.0, ..all };
+        let counts = Measurement {
+            max_error_px: 0.0,
+            mean_error_px: 0.0,
+            rms_error_px: 0.0,
+            normal_error_deg: 0.0,
+            ..all
+        };
         assert_eq!(counts, none);
     }
 
@@ -277,6 +282,7 @@ mod tests {
         let all = measured(&aovs);
         assert!((all.max_error_px - 5.0).abs() < 1e-5, "{all:?}");
         assert!((all.mean_error_px - 4.0).abs() < 1e-5, "{all:?}");
+        assert!((all.rms_error_px - 4.0).abs() < 1e-5, "{all:?}");
     }
 
     #[test]
@@ -375,6 +381,7 @@ mod tests {
         let one = Measurement {
             max_error_px: 2.0,
             mean_error_px: 1.0,
+            rms_error_px: 1.0,
             normal_error_deg: 3.0,
             silhouette_pixels: 4,
             crack_pixels: 1,
@@ -385,6 +392,7 @@ mod tests {
         let other = Measurement {
             max_error_px: 1.0,
             mean_error_px: 0.5,
+            rms_error_px: 15.0,
             normal_error_deg: 9.0,
             covered: 300,
             ..one
@@ -392,6 +400,7 @@ mod tests {
         let expected = Measurement {
             max_error_px: 2.0,
             mean_error_px: 0.625,
+            rms_error_px: 13.0,
             normal_error_deg: 9.0,
             silhouette_pixels: 8,
             crack_pixels: 2,
