@@ -18,8 +18,10 @@ use freeform_surface::{
 
 use exr::AovFile;
 use indicatif::ProgressBar;
-use output::Output;
+pub(crate) use output::Output;
 use render::Job;
+
+use crate::view::{self, ViewArguments};
 
 /// Renders trimmed Bézier surfaces with OpenGL tessellation, without a display.
 ///
@@ -39,6 +41,8 @@ enum Command {
     Measure(MeasureArguments),
     /// Smooth a triangle mesh: every step makes nine triangles of each.
     Smooth(SmoothArguments),
+    /// Show a scene in a window and edit it.
+    View(ViewArguments),
     /// Print the OpenGL driver and the limits that the program relies on.
     Info(InfoArguments),
 }
@@ -275,7 +279,7 @@ fn level(text: &str) -> Result<TessLevel, String> {
 }
 
 /// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
-fn say(line: impl std::fmt::Display) -> Result<(), Error> {
+pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::File {
             action: "write",
@@ -319,6 +323,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
         }
         Some(Command::Measure(arguments)) => measure::all(arguments),
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
+        Some(Command::View(arguments)) => view::run(arguments).map_err(|error| vec![error]),
         Some(Command::Info(arguments)) => {
             info::print(arguments.backend).map_err(|error| vec![error])
         }

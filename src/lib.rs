@@ -94,8 +94,8 @@ pub use mesh::{
 };
 pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
-    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene, Shading,
-    Surface, TessLevel, Tessellation, Tolerance, default_control_points, load_texture,
+    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene, SceneText,
+    Shading, Surface, TessLevel, Tessellation, Tolerance, default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;
 pub use tessellation::FrameFigures;

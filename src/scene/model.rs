@@ -34,24 +34,31 @@ impl MeshModel {
     /// An edge that no surface has, as [`HalfedgeMesh::new`] tells.
     pub fn new(mesh: Mesh, smoothing: Smoothing) -> Result<Self> {
         let mesh = Arc::new(HalfedgeMesh::new(mesh)?);
+        let mut model = Self {
+            mesh,
+            smoothing,
+            hull: [DVec3::ZERO; 2],
+            level: None,
+            transform: DMat4::IDENTITY,
+            paint: Paint::default(),
+            shading: Shading::default(),
+        };
+        model.set_smoothing(smoothing);
+        Ok(model)
+    }
+
+    /// Chooses how the triangles become a smooth surface.
+    pub fn set_smoothing(&mut self, smoothing: Smoothing) {
+        self.smoothing = smoothing;
         let mut hull = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for triangle in 0..mesh.mesh().triangles().len() as u32 {
-            let curved = Curved::new(&mesh.triangle(triangle), smoothing);
-            curved.with_control_points(|points| {
+        for triangle in 0..self.mesh.mesh().triangles().len() as u32 {
+            self.curved(triangle).with_control_points(|points| {
                 for point in points {
                     hull = [hull[0].min(*point), hull[1].max(*point)];
                 }
             });
         }
-        Ok(Self {
-            mesh,
-            smoothing,
-            hull,
-            level: None,
-            transform: DMat4::IDENTITY,
-            paint: Paint::default(),
-            shading: Shading::default(),
-        })
+        self.hull = hull;
     }
 
     /// The triangles.

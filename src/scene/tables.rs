@@ -68,6 +68,7 @@ pub(super) struct SurfaceTable {
     pub(super) translate: Option<DVec3Value>,
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,
+    pub(super) matrix: Option<[[f64; 4]; 3]>,
     #[serde(default)]
     pub(super) keep: KeepName,
     #[serde(default)]
@@ -92,6 +93,7 @@ pub(super) struct MeshTable {
     pub(super) translate: Option<DVec3Value>,
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,
+    pub(super) matrix: Option<[[f64; 4]; 3]>,
 }
 
 #[derive(Deserialize, Default, Clone, Copy, PartialEq)]
