@@ -19,6 +19,8 @@ use freeform_surface::{
 use exr::AovFile;
 use indicatif::ProgressBar;
 pub(crate) use output::Output;
+#[cfg(feature = "viewer")]
+pub(crate) use output::replace;
 use render::Job;
 
 use crate::view::{self, ViewArguments};

@@ -60,7 +60,8 @@
 //!
 //! # Features
 //!
-//! `cli` (default) builds the `freeform` program; `headless` the contexts without a display. With
+//! `cli` (default) builds the `freeform` program; `viewer` its window; `headless` the contexts without a
+//! display. With
 //! `default-features = false` the library brings neither clap nor glutin.
 
 mod aov;

@@ -107,7 +107,11 @@ impl Renderer {
         settings: &RenderSettings,
         output: Output,
     ) -> (Shading, &'a Texture) {
-        if in_lines(settings, output) { (Shading::Unlit, &self.line_paint) } else { (shading, texture) }
+        if in_lines(settings, output) {
+            (Shading::Unlit, &self.line_paint)
+        } else {
+            (shading, texture)
+        }
     }
 
     /// The functions of the context.
@@ -295,7 +299,8 @@ impl Renderer {
                 let surface = &surfaces[batch.surface];
                 let program = &self.programs[&key(batch)];
                 program.bind();
-                let (shading, texture) = self.look(batch.shading, surface.texture(), settings, output);
+                let (shading, texture) =
+                    self.look(batch.shading, surface.texture(), settings, output);
                 if shading == Shading::Phong && !aov {
                     // The lights stand in the world.
                     program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());

@@ -7,13 +7,13 @@
 //! What keys and mouse do is decided without a window ([`state`], [`pointer`], and the table in [`action`])
 //! and tested without one. The window itself is behind the feature `viewer`.
 
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod action;
 #[cfg(feature = "viewer")]
 mod app;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod camera;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod files;
 #[cfg(feature = "viewer")]
 mod gl;
@@ -25,18 +25,20 @@ mod inset;
 mod overlay;
 #[cfg(feature = "viewer")]
 mod panel;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod pick;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod pointer;
 #[cfg(feature = "viewer")]
 mod screen;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod state;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod trims;
-#[cfg_attr(not(feature = "viewer"), expect(dead_code, reason = "only a window uses it all"))]
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod undo;
+#[cfg(feature = "viewer")]
+mod watch;
 
 use std::path::PathBuf;
 
@@ -67,7 +69,7 @@ pub(crate) struct ViewArguments {
 /// A scene that cannot be read, no window system, no OpenGL 4.5; a program without windows.
 pub(crate) fn run(arguments: &ViewArguments) -> Result<()> {
     if arguments.list_bindings {
-        return action::lines().try_for_each(|(keys, help)| say(format_args!("{keys:32} {help}")));
+        return action::lines().try_for_each(|(keys, help)| say(format_args!("{keys:46} {help}")));
     }
     show(arguments)
 }

@@ -163,7 +163,7 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
 }
 
 /// Writes beside `path` and renames.
-pub(super) fn replace(
+pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {

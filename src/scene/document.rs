@@ -222,9 +222,8 @@ impl Builder<'_> {
             }
         };
         let paint = self.paint(table.texture, table.color, table.shading)?;
-        let transform =
-            placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
-                .map_err(|error| self.at(start, error))?;
+        let transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
+            .map_err(|error| self.at(start, error))?;
         for surface in &mut surfaces {
             surface.transform = transform;
             surface.paint = paint.clone();

@@ -17,9 +17,7 @@ use super::{
     Tessellation, bpt, default_control_points, extension, load_texture, read_text,
 };
 use crate::camera::Lens;
-use crate::{
-    Camera, CreaseAngle, Error, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims,
-};
+use crate::{Camera, CreaseAngle, Error, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims};
 
 /// A loop of more segments is written as a path, which may be longer.
 const LONG_LOOP: usize = 100;
@@ -347,11 +345,7 @@ fn numbers(values: &[f64]) -> String {
 }
 
 fn control_point(point: DVec4) -> String {
-    if point.w == 1.0 {
-        vector(point.truncate())
-    } else {
-        numbers(&point.to_array())
-    }
+    if point.w == 1.0 { vector(point.truncate()) } else { numbers(&point.to_array()) }
 }
 
 fn vector(vector: DVec3) -> String {

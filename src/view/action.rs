@@ -231,7 +231,7 @@ impl Action {
         let chord = chord.normalized();
         BINDINGS
             .iter()
-            .flat_map(|binding| binding.keys)
+            .flat_map(Binding::keys_and_actions)
             .find(|(bound, _)| *bound == chord)
             .map(|(_, action)| *action)
     }
@@ -289,6 +289,11 @@ impl fmt::Display for Chord {
 }
 
 impl Binding {
+    /// The keys and what each of them does.
+    pub(crate) fn keys_and_actions(&self) -> impl Iterator<Item = &'static (Chord, Action)> {
+        self.keys.iter()
+    }
+
     /// The keys as a person reads them.
     pub(crate) fn keys(&self) -> String {
         let keys: Vec<String> = self.keys.iter().map(|(chord, _)| chord.to_string()).collect();
@@ -313,7 +318,7 @@ mod tests {
     #[test]
     fn no_key_is_bound_twice() {
         let chords: Vec<Chord> =
-            BINDINGS.iter().flat_map(|binding| binding.keys).map(|(chord, _)| *chord).collect();
+            BINDINGS.iter().flat_map(Binding::keys_and_actions).map(|(chord, _)| *chord).collect();
         for (i, chord) in chords.iter().enumerate() {
             assert!(!chords[..i].contains(chord), "{chord}");
             assert_eq!(chord.normalized(), *chord, "{chord} can never be pressed");

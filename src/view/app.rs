@@ -1,5 +1,6 @@
 //! The window's events, one after the other, and a frame when something changed.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -7,7 +8,7 @@ use freeform_surface::{Error, Result, Scene};
 use glam::dvec2;
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, StartCause, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
 use winit::keyboard::ModifiersState;
 use winit::window::WindowId;
 
@@ -16,8 +17,12 @@ use super::gl::GlWindow;
 use super::overlay::Overlay;
 use super::screen::Screen;
 use super::state::{Message, Request, State};
+use super::watch::Watch;
 use super::{ViewArguments, files, input, panel};
-use crate::cli::Output;
+use crate::cli::{Output, replace};
+
+/// So long a changed file must rest before it is read: editors write in several steps.
+const REST: Duration = Duration::from_millis(100);
 
 /// Shows a window until it is closed.
 ///
@@ -29,20 +34,33 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         None => Scene::listing16(),
     };
     let no_display = |error: winit::error::EventLoopError| {
-        Error::Context(format!("no display ({error}); freeform render draws without one"))
+        // Before its last colon stands a line of winit's own source.
+        let error = error.to_string();
+        let reason = error.rsplit(": ").next().unwrap_or_default();
+        let what = format!("no display ({reason}); freeform render draws without one");
+        Error::Context(what)
     };
-    let events = EventLoop::new().map_err(no_display)?;
+    let events = EventLoop::<Changed>::with_user_event().build().map_err(no_display)?;
     let mut app = App {
         state: State::new(scene, arguments.scene.clone()),
         window: None,
         error: None,
         modifiers: ModifiersState::default(),
         last_turn: None,
+        saved: None,
+        proxy: arguments.watch.then(|| events.create_proxy()),
+        watch: None,
+        reload_at: None,
         frames: 0,
     };
+    app.watch();
     events.run_app(&mut app).map_err(no_display)?;
     app.error.map_or(Ok(()), Err)
 }
+
+/// The scene's file changed on the disk.
+#[derive(Debug)]
+struct Changed;
 
 /// The window and what is in it.
 struct Shown {
@@ -69,10 +87,17 @@ struct App {
     modifiers: ModifiersState,
     /// When the turntable turned last.
     last_turn: Option<Instant>,
+    /// Where the scene was saved to.
+    saved: Option<PathBuf>,
+    /// Takes word of changed files, if they are watched.
+    proxy: Option<EventLoopProxy<Changed>>,
+    watch: Option<Watch>,
+    /// When the changed file is to be read.
+    reload_at: Option<Instant>,
     frames: u64,
 }
 
-impl ApplicationHandler for App {
+impl ApplicationHandler<Changed> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if self.window.is_some() {
             return;
@@ -93,6 +118,9 @@ impl ApplicationHandler for App {
 
     fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
         if matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            if self.reload_at.take_if(|then| *then <= Instant::now()).is_some() {
+                self.reload();
+            }
             self.redraw();
         }
     }
@@ -138,6 +166,12 @@ impl ApplicationHandler for App {
         }
     }
 
+    fn user_event(&mut self, events: &ActiveEventLoop, _: Changed) {
+        let then = Instant::now() + REST;
+        self.reload_at = Some(then);
+        events.set_control_flow(ControlFlow::WaitUntil(then));
+    }
+
     fn exiting(&mut self, _: &ActiveEventLoop) {
         // While the window system is still there.
         self.window = None;
@@ -166,7 +200,7 @@ impl App {
             Some(Request::Quit) => events.exit(),
             Some(Request::NextScene) => self.open_next(),
             Some(Request::Screenshot) => self.screenshot(),
-            Some(Request::Save) => {}
+            Some(Request::Save) => self.save(),
         }
         self.redraw();
     }
@@ -211,6 +245,8 @@ impl App {
         match self.state.report(loaded) {
             Some(scene) => {
                 self.state.open(scene, Some(path.to_owned()));
+                self.saved = None;
+                self.watch();
                 true
             }
             None => false,
@@ -224,6 +260,48 @@ impl App {
             if self.open(&path) {
                 return;
             }
+        }
+    }
+
+    /// Watches the scene's file, if that was asked for.
+    fn watch(&mut self) {
+        self.watch = None;
+        if let (Some(proxy), Some(file)) = (&self.proxy, self.state.file()) {
+            let proxy = proxy.clone();
+            // Without a loop there is nobody to be told.
+            let watch = Watch::new(file, move || drop(proxy.send_event(Changed)));
+            self.watch = self.state.report(watch);
+        }
+    }
+
+    /// Reads the scene's file again; one that cannot be read leaves the scene as it was.
+    fn reload(&mut self) {
+        let Some(loaded) = self.state.file().map(|path| Scene::load(path)) else { return };
+        if let Some(scene) = self.state.report(loaded) {
+            self.state.reload(scene);
+        }
+    }
+
+    /// Writes the scene beside its file: to a new name first, then to the same again.
+    fn save(&mut self) {
+        let file = self.state.file().map(PathBuf::as_path);
+        let new = self.saved.is_none();
+        let path = match &self.saved {
+            Some(path) => Ok(path.clone()),
+            None => files::new_file(file, "edited-", "toml"),
+        };
+        let written = path.and_then(|path| {
+            write_scene(&self.state.saved_scene(), &path).inspect_err(|_| {
+                if new {
+                    // Nothing but the name was taken.
+                    let _ = std::fs::remove_file(&path);
+                }
+            })?;
+            Ok(path)
+        });
+        if let Some(path) = self.state.report(written) {
+            self.state.message = Some(Message::Done(format!("wrote {}", path.display())));
+            self.saved = Some(path);
         }
     }
 
@@ -297,11 +375,27 @@ impl App {
 
     /// Waits for events, or for the time of the next frame.
     fn wait(&self, events: &ActiveEventLoop, again: Duration) {
-        events.set_control_flow(ControlFlow::Wait);
         if self.state.turntable || self.state.changed() || again.is_zero() {
             self.redraw();
-        } else if let Some(then) = Instant::now().checked_add(again) {
-            events.set_control_flow(ControlFlow::WaitUntil(then));
         }
+        let frame_at = Instant::now().checked_add(again).filter(|_| !again.is_zero());
+        events.set_control_flow(match frame_at.into_iter().chain(self.reload_at).min() {
+            Some(then) => ControlFlow::WaitUntil(then),
+            None => ControlFlow::Wait,
+        });
     }
+}
+
+/// Writes a scene and what must stand beside it.
+fn write_scene(scene: &Scene, path: &Path) -> Result<()> {
+    let written = scene.to_toml(path)?;
+    let text = (path.to_owned(), written.text.into_bytes());
+    for (path, bytes) in written.files.into_iter().chain([text]) {
+        replace(&path, |file| file.write_all(&bytes)).map_err(|error| Error::File {
+            action: "write",
+            path,
+            reason: error.to_string(),
+        })?;
+    }
+    Ok(())
 }

@@ -24,7 +24,12 @@ pub(crate) struct Mover {
 impl Mover {
     /// For a scene with this axis upright, seen by this camera at first.
     pub(crate) fn new(up: DVec3, camera: Option<&Camera>) -> Self {
-        let up = camera.map_or(up, Camera::up).normalize_or(DVec3::Y);
+        let up = up.normalize_or(DVec3::Y);
+        // A camera that leans to a side has an axis of its own.
+        let up = match camera {
+            Some(camera) if View::of(camera).right.dot(up).abs() > 1e-6 => camera.up().normalize(),
+            _ => up,
+        };
         let fov_y_radians = match camera.map(Camera::lens) {
             Some(Lens::Perspective { fov_y_radians }) => fov_y_radians,
             _ => FOV_Y_RADIANS,
@@ -55,7 +60,7 @@ impl Mover {
     }
 
     /// The camera at its distance, seeing its target from a side.
-    pub(crate) fn from_side(&self, camera: &Camera, side: Side) -> Result<Camera> {
+    pub(crate) fn look_from(&self, camera: &Camera, side: Side) -> Result<Camera> {
         let front = if self.up.z.abs() > self.up.y.abs() { -DVec3::Y } else { DVec3::Z };
         let right = self.up.cross(front).normalize();
         let front = right.cross(self.up);
@@ -171,7 +176,7 @@ mod tests {
     #[test]
     fn a_full_turn_over_the_pole_and_back_ends_where_it_began() {
         let mover = Mover::new(DVec3::Y, Some(&camera()));
-        let front = mover.from_side(&camera(), Side::Front).unwrap();
+        let front = mover.look_from(&camera(), Side::Front).unwrap();
         let top = mover.turn(&front, dvec2(0.0, 10.0)).unwrap();
         assert!(View::of(&top).back.distance(DVec3::Y) < 1e-9);
         let again = mover.turn(&top, dvec2(0.0, -FRAC_PI_2)).unwrap();
@@ -182,7 +187,7 @@ mod tests {
     fn sides_are_those_of_the_upright_axis() {
         for (up, front) in [(DVec3::Y, DVec3::Z), (DVec3::Z, -DVec3::Y)] {
             let mover = Mover::new(up, None);
-            let back = |side| View::of(&mover.from_side(&camera(), side).unwrap()).back;
+            let back = |side| View::of(&mover.look_from(&camera(), side).unwrap()).back;
             assert!(back(Side::Front).distance(front) < 1e-9);
             assert!(back(Side::Right).distance(DVec3::X) < 1e-9);
             assert!(back(Side::Top).distance(up) < 1e-9);

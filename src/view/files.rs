@@ -105,7 +105,10 @@ mod tests {
         std::fs::write(folder.path().join("my scene-001.png"), "old").unwrap();
         let path = new_file(Some(&scene), "", "png").unwrap();
         assert_eq!(path, folder.path().join("my scene-002.png"));
-        assert_eq!(new_file(Some(&scene), "", "png").unwrap(), path.with_file_name("my scene-003.png"));
+        assert_eq!(
+            new_file(Some(&scene), "", "png").unwrap(),
+            path.with_file_name("my scene-003.png")
+        );
         let old = std::fs::read_to_string(folder.path().join("my scene-001.png")).unwrap();
         assert_eq!(old, "old");
         let gone = folder.path().join("no/a.toml");

@@ -76,8 +76,7 @@ impl GlWindow {
         };
         let context = context.make_current(&surface)?;
         // Without it frames are drawn as fast as they come, which is well too.
-        if let Err(error) =
-            surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN))
+        if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN))
         {
             log::debug!("frames do not wait for the screen: {error}");
         }

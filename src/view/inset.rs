@@ -55,7 +55,8 @@ pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
             if highlighted == Some(*handle) { (5.0, HIGHLIGHT) } else { (3.0, POINT) };
         painter.circle_filled(place(*uv), radius, color);
     }
-    let pointer = response.interact_pointer_pos().filter(|_| response.drag_delta() != vec2(0.0, 0.0));
+    let pointer =
+        response.interact_pointer_pos().filter(|_| response.drag_delta() != vec2(0.0, 0.0));
     held.zip(pointer).map(|(handle, at)| pulled(trims, handle, domain(square, at)))
 }
 
@@ -71,10 +72,7 @@ fn place(square: Rect, uv: DVec2) -> Pos2 {
 
 fn domain(square: Rect, at: Pos2) -> DVec2 {
     let size = square.size();
-    dvec2(
-        f64::from((at.x - square.left()) / size.x),
-        f64::from((square.bottom() - at.y) / size.y),
-    )
+    dvec2(f64::from((at.x - square.left()) / size.x), f64::from((square.bottom() - at.y) / size.y))
 }
 
 fn curves(painter: &egui::Painter, trims: &Trims, place: impl Fn(DVec2) -> Pos2) {

@@ -24,12 +24,15 @@ pub(super) fn show(
     ms: f64,
 ) -> Vec<egui::Rect> {
     let mut covered = Vec::new();
+    let height = (context.content_rect().height() - 60.0).max(40.0);
     highlight(context, state);
     if state.overlay != Overlay::Nothing {
         let window = egui::Window::new("freeform")
             .anchor(Align2::RIGHT_TOP, [-8.0, 8.0])
             .default_width(230.0)
             .resizable(false)
+            .default_height(height)
+            .max_height(height)
             .vscroll(true);
         let shown = window.show(context, |ui| contents(ui, state, figures, ms));
         covered.extend(shown.map(|shown| shown.response.rect));
@@ -38,6 +41,8 @@ pub(super) fn show(
         let window = egui::Window::new("keys and mouse")
             .anchor(Align2::LEFT_TOP, [8.0, 8.0])
             .resizable(false)
+            .default_height(height)
+            .max_height(height)
             .vscroll(true);
         let shown = window.show(context, help);
         covered.extend(shown.map(|shown| shown.response.rect));
@@ -213,8 +218,7 @@ fn surface(ui: &mut Ui, state: &mut State) {
             Paint::Color(rgb) => {
                 let mut rgb = *rgb;
                 if color(ui, &mut rgb) {
-                    let edited =
-                        state.edit(vec![Part::SurfacePaint(number, Paint::Color(rgb))]);
+                    let edited = state.edit(vec![Part::SurfacePaint(number, Paint::Color(rgb))]);
                     state.report(edited);
                 }
             }

@@ -111,7 +111,7 @@ impl State {
             Gesture::Pan => self.look(camera::pan(&camera, -by)),
             Gesture::Zoom(from) => {
                 let factor = (-by.y * DRAG_ZOOM).exp();
-                self.look(camera::zoom(&camera, factor, self.from_middle(from)))
+                self.look(camera::zoom(&camera, factor, self.off_middle(from)))
             }
             Gesture::Move(id) => {
                 let point = dragged(self.scene(), id, &self.projection(), self.size(), place);
@@ -127,14 +127,13 @@ impl State {
         let camera = self.hold_camera();
         // A broken device may send anything.
         let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
-        let looked =
-            self.look(camera::zoom(&camera, factor, self.from_middle(self.pointer.place)));
+        let looked = self.look(camera::zoom(&camera, factor, self.off_middle(self.pointer.place)));
         self.report(looked);
         self.hover();
     }
 
     /// A place counted from the middle of the picture, in parts of its height, up.
-    fn from_middle(&self, place: DVec2) -> DVec2 {
+    fn off_middle(&self, place: DVec2) -> DVec2 {
         (place - 0.5 * self.size()) * dvec2(1.0, -1.0) / self.size().y
     }
 

@@ -98,3 +98,49 @@ impl Screen {
 fn frame_of(state: &State) -> Frame {
     Frame { projection: state.projection(), settings: state.scene().settings }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::state::tests::{Chance, event_by_chance};
+    use freeform_surface::{Backend, Headless};
+
+    /// Events by chance end in drawings without an error of the driver; and what is saved then is drawn
+    /// the same, pixel for pixel.
+    #[test]
+    fn after_events_by_chance_the_saved_scene_is_what_is_shown() {
+        let context = Headless::new(Backend::Auto).unwrap();
+        let mut screen = Screen::new(context.gl()).unwrap();
+        let mut state = State::new(Scene::listing16(), None);
+        let mut chance = Chance(2);
+        let mut drawn = 0;
+        for number in 0..2_000 {
+            event_by_chance(&mut state, &mut chance);
+            if number % 25 > 0 {
+                continue;
+            }
+            state.resize(160, 120);
+            let changes = state.take_changes();
+            if let Err(error) = screen.draw(&state, &changes) {
+                panic!("event {number}: {error}");
+            }
+            let errors = context.debug_log().take_errors();
+            assert!(errors.is_empty(), "event {number}: {errors:?}");
+            let shown = screen.target.read();
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("saved.toml");
+            let saved = state.saved_scene().to_toml(&path).unwrap();
+            for (path, bytes) in &saved.files {
+                std::fs::write(path, bytes).unwrap();
+            }
+            let again = Scene::from_toml(&saved.text, &path).unwrap();
+            let mut prepared = PreparedScene::new(&screen.renderer, &again).unwrap();
+            let frame = Frame { projection: again.projection(160, 120), settings: again.settings };
+            let picture =
+                prepared.picture(&mut screen.renderer, &screen.target, &frame, |_, _| {}).unwrap();
+            assert!(picture == shown, "event {number}:\n{}", saved.text);
+            drawn += 1;
+        }
+        assert_eq!(drawn, 80);
+    }
+}

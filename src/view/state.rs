@@ -85,8 +85,8 @@ pub(crate) struct State {
     /// The number of the last press of a key or button.
     press: u64,
     nested: PutBy,
-    /// Paints of surfaces, then of meshes, while pictures are off.
-    paints: Vec<Paint>,
+    /// What surfaces, then meshes, were painted with before pictures were switched.
+    other_paints: Vec<Paint>,
     changes: Changes,
     pub(crate) turntable: bool,
     /// The surface whose trims the panel shows.
@@ -109,7 +109,7 @@ impl State {
             history: History::default(),
             press: 0,
             nested: PutBy::new(),
-            paints: Vec::new(),
+            other_paints: Vec::new(),
             changes: Changes::default(),
             turntable: false,
             selected: 0,
@@ -146,7 +146,7 @@ impl State {
         self.scene = scene;
         self.history = History::default();
         self.nested.clear();
-        self.paints.clear();
+        self.other_paints.clear();
         self.pointer.let_go();
         self.message = None;
         self.changes = Changes { picture: true, scene: true, ..Changes::default() };
@@ -154,6 +154,11 @@ impl State {
 
     pub(crate) const fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The scene as a file is to have it: seen from where it is seen now.
+    pub(crate) fn saved_scene(&self) -> Scene {
+        Scene { camera: Some(self.camera()), ..self.scene.clone() }
     }
 
     pub(crate) const fn file(&self) -> Option<&PathBuf> {
@@ -267,7 +272,7 @@ impl State {
             Action::Phong => self.switch_smoothing(Smoothing::Phong(Alpha::default())),
             Action::Pn => self.switch_smoothing(Smoothing::Pn),
             Action::Fit => self.look(Ok(self.scene.fitted(&camera, self.aspect()))),
-            Action::LookFrom(side) => self.look(self.mover.from_side(&camera, side)),
+            Action::LookFrom(side) => self.look(self.mover.look_from(&camera, side)),
             Action::Orthographic => {
                 let other = self.mover.other_lens(&camera);
                 self.look(other)
@@ -415,37 +420,41 @@ impl State {
 
     /// Takes all pictures off, or lays them on again; bricks where there were none.
     fn switch_textures(&mut self) -> Result<()> {
-        let paint_of = |number: usize, paint: Paint| {
-            let surfaces = self.scene.surfaces.len();
-            if number < surfaces {
-                Part::SurfacePaint(number, paint)
-            } else {
-                Part::MeshPaint(number - surfaces, paint)
-            }
-        };
         let surfaces = self.scene.surfaces.iter().map(|surface| &surface.paint);
         let meshes = self.scene.meshes.iter().map(|mesh| &mesh.paint);
         let paints: Vec<Paint> = surfaces.chain(meshes).cloned().collect();
         let is_picture = |paint: &Paint| matches!(paint, Paint::Texture(_));
-        let parts: Vec<Part> = if paints.iter().any(is_picture) {
-            let off = paints.iter().enumerate().filter(|(_, paint)| is_picture(paint));
-            let parts = off.map(|(number, _)| paint_of(number, Paint::default())).collect();
-            self.paints = paints;
-            parts
-        } else if self.paints.iter().any(is_picture) {
-            let on = self.paints.iter().enumerate().filter(|(_, paint)| is_picture(paint));
-            on.map(|(number, paint)| paint_of(number, paint.clone())).collect()
-        } else {
-            let bricks = Paint::Texture(bricks());
-            (0..paints.len()).map(|number| paint_of(number, bricks.clone())).collect()
+        let off = paints.iter().any(is_picture);
+        // What is not there yet is grey or bricks.
+        let fallback = match self.other_paints.iter().any(is_picture) {
+            _ if off => Some(Paint::default()),
+            true => None,
+            false => Some(Paint::Texture(bricks())),
         };
+        let mut parts = Vec::new();
+        for (number, paint) in paints.iter().enumerate() {
+            let other = self.other_paints.get(number).filter(|other| is_picture(other) != off);
+            let Some(other) = other.or(fallback.as_ref()) else { continue };
+            if is_picture(paint) == off {
+                let surfaces = self.scene.surfaces.len();
+                parts.push(match number.checked_sub(surfaces) {
+                    None => Part::SurfacePaint(number, other.clone()),
+                    Some(mesh) => Part::MeshPaint(mesh, other.clone()),
+                });
+            }
+        }
+        self.other_paints = paints;
         self.edit(parts)
     }
 
     /// Smooths all meshes this way, or no longer.
     fn switch_smoothing(&mut self, smoothing: Smoothing) -> Result<()> {
         if self.scene.meshes.is_empty() {
-            return Err(Error::invalid("scene", "without a mesh", "one with a [[mesh]], or an .obj file"));
+            return Err(Error::invalid(
+                "scene",
+                "without a mesh",
+                "one with a [[mesh]], or an .obj file",
+            ));
         }
         let on = |other| std::mem::discriminant(&other) == std::mem::discriminant(&smoothing);
         let smoothing = if self.scene.meshes.iter().all(|mesh| on(mesh.smoothing())) {
@@ -498,3 +507,6 @@ fn note(changes: &mut Changes, parts: &[Part]) {
         }
     }
 }
+
+#[cfg(test)]
+pub(in crate::view) mod tests;

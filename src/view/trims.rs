@@ -110,7 +110,9 @@ fn with_point(trim_loop: &TrimLoop, segment: usize, point: usize, to: DVec2) -> 
     if let Some(place) = points.get_mut(segment).and_then(|points| points.get_mut(point)) {
         *place = to;
     }
-    if point == 0 && let Some(end) = points[(segment + count - 1) % count].last_mut() {
+    if point == 0
+        && let Some(end) = points[(segment + count - 1) % count].last_mut()
+    {
         *end = to;
     }
     TrimLoop::new(points.iter().map(|points| Segment::new(points)).collect::<Result<_>>()?)
@@ -256,13 +258,8 @@ mod tests {
     use crate::view::undo::History;
     use freeform_surface::NewtonTrims;
 
-    const KINDS: [TrimKind; 5] = [
-        TrimKind::Circle,
-        TrimKind::Interval,
-        TrimKind::Ellipse,
-        TrimKind::Loop,
-        TrimKind::Nested,
-    ];
+    const KINDS: [TrimKind; 5] =
+        [TrimKind::Circle, TrimKind::Interval, TrimKind::Ellipse, TrimKind::Loop, TrimKind::Nested];
 
     fn press(scene: &mut Scene, kind: TrimKind, put_by: &mut PutBy) {
         let parts = switched(scene, kind, 0, put_by);
