@@ -118,13 +118,17 @@ fn every_key_does_what_its_line_says() {
         "f",
         "1",
         "3",
-        "7",
     ] {
         screen.keys(&[key]);
         assert!(changed(&still, &screen.picture()) > 500, "{key}");
         screen.keys(&[if key == "f" { "Return" } else { "r" }]);
         assert_same(&format!("view-{key}-reset"), &still, &screen.picture(), &[], 0);
     }
+    // The scene's camera looks from the top.
+    screen.keys(&["1"]);
+    assert!(changed(&still, &screen.picture()) > 500);
+    screen.keys(&["7"]);
+    assert_same("view-top", &still, &screen.picture(), &[], 0);
     screen.mouse(&["mousemove", "700", "560", "mousedown", "1"]);
     screen.mouse(&["mousemove", "720", "450", "mouseup", "1"]);
     assert!(changed(&still, &screen.picture()) > 500, "the mouse turns the camera");

@@ -19,8 +19,8 @@ use super::{
 use crate::camera::Lens;
 use crate::{Camera, CreaseAngle, Error, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims};
 
-/// A loop of more segments is written as a path, which may be longer.
-const LONG_LOOP: usize = 100;
+/// Loops of more segments together are written as a path, whose length a scene does not limit.
+const MANY_SEGMENTS: usize = 200;
 /// Width over height for which a scene is framed that stands on z and has no camera.
 const ASPECT: f64 = 5.0 / 3.0;
 
@@ -302,16 +302,17 @@ impl Writer<'_> {
             let (center, radii) = (pair(ellipse.center), pair(ellipse.radii));
             self.trim("ellipse", format_args!("{{ center = {center}, radii = {radii} }}"));
         }
+        if loops.iter().map(|one| one.segments().len()).sum::<usize>() > MANY_SEGMENTS {
+            let lines: Vec<String> = loops.iter().map(path_data).collect();
+            self.trim("path", format_args!("\"\"\"\n{}\n\"\"\"", lines.join("\n")));
+            return;
+        }
         for trim_loop in loops {
-            if trim_loop.segments().len() > LONG_LOOP {
-                self.trim("path", format_args!("\"{}\"", path_data(trim_loop)));
-            } else {
-                let segments = trim_loop.segments().iter().map(|segment| {
-                    let points: Vec<String> = segment.points().iter().copied().map(pair).collect();
-                    format!("    [{}],\n", points.join(", "))
-                });
-                self.trim("loop", format_args!("[\n{}]", segments.collect::<String>()));
-            }
+            let segments = trim_loop.segments().iter().map(|segment| {
+                let points: Vec<String> = segment.points().iter().copied().map(pair).collect();
+                format!("    [{}],\n", points.join(", "))
+            });
+            self.trim("loop", format_args!("[\n{}]", segments.collect::<String>()));
         }
     }
 

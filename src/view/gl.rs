@@ -35,11 +35,7 @@ pub(super) struct GlWindow {
 impl GlWindow {
     /// Opens a window.
     pub(super) fn new(events: &ActiveEventLoop, title: &str) -> Result<Self> {
-        Self::open(events, title).map_err(|reason| {
-            Error::Context(format!(
-                "no window with OpenGL 4.5 ({reason}); freeform render draws without one"
-            ))
-        })
+        Self::open(events, title).map_err(unavailable)
     }
 
     fn open(events: &ActiveEventLoop, title: &str) -> Result<Self, Box<dyn std::error::Error>> {
@@ -52,7 +48,11 @@ impl GlWindow {
             .with_preference(ApiPreference::FallbackEgl)
             .with_window_attributes(Some(attributes))
             .build(events, template, |mut configs| {
-                configs.next().expect("a display that has configurations gives one")
+                // There is no way to hand an error on from here.
+                configs.next().unwrap_or_else(|| {
+                    eprintln!("freeform: {}", unavailable("no configuration of pixels"));
+                    std::process::exit(1)
+                })
             })?;
         let window = window.ok_or("no window came with the display")?;
         let handle = window.window_handle()?.as_raw();
@@ -134,6 +134,13 @@ impl GlWindow {
             reason: error.to_string(),
         })
     }
+}
+
+/// Why there is no window.
+fn unavailable(reason: impl std::fmt::Display) -> Error {
+    Error::Context(format!(
+        "no window with OpenGL 4.5 ({reason}); freeform render draws without one"
+    ))
 }
 
 impl Drop for GlWindow {

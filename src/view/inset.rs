@@ -8,7 +8,9 @@ use super::trims::{Handle, handles, pulled};
 
 /// Points a side.
 const SIDE: f32 = 200.0;
-/// Beyond so many segments the curves alone are drawn, and coarsely.
+/// Of more segments no points are shown: they would hide the curves.
+const MANY_TO_PULL: usize = 100;
+/// More segments are drawn coarsely.
 const MANY: usize = 2_000;
 /// How near the cursor must come to a point.
 const PICK: f32 = 10.0;
@@ -28,7 +30,8 @@ pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
     painter.rect_stroke(square, 0.0, border, egui::StrokeKind::Middle);
     let place = |uv: DVec2| place(square, uv);
     curves(&painter, trims, place);
-    let points = if trims.loops.iter().map(|one| one.segments().len()).sum::<usize>() > MANY {
+    let points = if trims.loops.iter().map(|one| one.segments().len()).sum::<usize>() > MANY_TO_PULL
+    {
         Vec::new()
     } else {
         handles(trims)

@@ -78,10 +78,12 @@ fn message(context: &Context, state: &State) {
 }
 
 fn help(ui: &mut Ui) {
-    egui::Grid::new("bindings").num_columns(2).show(ui, |ui| {
+    // All of it fits a small window.
+    ui.spacing_mut().item_spacing.y = 1.0;
+    egui::Grid::new("bindings").num_columns(2).min_row_height(0.0).show(ui, |ui| {
         for (keys, help) in action::lines() {
-            ui.label(RichText::new(keys).strong());
-            ui.label(help);
+            ui.label(RichText::new(keys).small().strong());
+            ui.label(RichText::new(help).small());
             ui.end_row();
         }
     });

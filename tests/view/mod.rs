@@ -16,7 +16,7 @@ const STILL: Duration = Duration::from_millis(250);
 const LONG: Duration = Duration::from_secs(60);
 
 /// The program's window on a screen that no other program has.
-pub struct Screen {
+pub(crate) struct Screen {
     server: Child,
     program: Child,
     display: String,
@@ -30,7 +30,7 @@ pub struct Screen {
 
 impl Screen {
     /// Starts a server and the program in it, and waits until its window is drawn.
-    pub fn start(arguments: &[&str]) -> Self {
+    pub(crate) fn start(arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut server = Command::new("Xvfb")
             .args([
@@ -110,12 +110,12 @@ impl Screen {
     }
 
     /// Everything that the program said but for its frames.
-    pub fn log(&self) -> String {
+    pub(crate) fn log(&self) -> String {
         self.log.lock().unwrap().clone()
     }
 
     /// Waits until nothing is drawn any more.
-    pub fn rest(&self) {
+    pub(crate) fn rest(&self) {
         let start = Instant::now();
         let mut last = (self.frames(), Instant::now());
         while last.1.elapsed() < STILL {
@@ -130,7 +130,7 @@ impl Screen {
     }
 
     /// Presses keys one after the other.
-    pub fn keys(&mut self, keys: &[&str]) {
+    pub(crate) fn keys(&mut self, keys: &[&str]) {
         for key in keys {
             let before = self.frames();
             self.xdotool(&["key", key]);
@@ -152,13 +152,13 @@ impl Screen {
     }
 
     /// Moves or presses the mouse.
-    pub fn mouse(&mut self, arguments: &[&str]) {
+    pub(crate) fn mouse(&mut self, arguments: &[&str]) {
         self.xdotool(arguments);
         self.rest();
     }
 
     /// Gives the window another size.
-    pub fn resize(&mut self, width: &str, height: &str) {
+    pub(crate) fn resize(&mut self, width: &str, height: &str) {
         let before = self.frames();
         let window = self.window.clone();
         self.xdotool(&["windowsize", &window, width, height]);
@@ -166,17 +166,17 @@ impl Screen {
         self.rest();
     }
 
-    pub fn title(&self) -> String {
+    pub(crate) fn title(&self) -> String {
         self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
     }
 
     /// How many frames the program drew.
-    pub fn frames(&self) -> u64 {
+    pub(crate) fn frames(&self) -> u64 {
         self.frames.load(Ordering::SeqCst)
     }
 
     /// The time that the program's threads computed.
-    pub fn cpu(&self) -> Duration {
+    pub(crate) fn cpu(&self) -> Duration {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.program.id())).unwrap();
         // The name may hold spaces; the times are the 14th and 15th field.
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
@@ -185,7 +185,7 @@ impl Screen {
     }
 
     /// What is on the screen.
-    pub fn picture(&self) -> Image {
+    pub(crate) fn picture(&self) -> Image {
         let path: PathBuf = self.folder.path().join("Xvfb_screen0");
         let mut bytes = Vec::new();
         std::fs::File::open(path).unwrap().read_to_end(&mut bytes).unwrap();
@@ -201,7 +201,7 @@ impl Screen {
     }
 
     /// Ends the program by a key; it must end well.
-    pub fn quit(mut self, key: &str) {
+    pub(crate) fn quit(mut self, key: &str) {
         self.xdotool(&["key", key]);
         let start = Instant::now();
         let status = loop {
