@@ -84,6 +84,7 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
     let mut raster = Raster::new(size, settings.background);
     for (number, surface) in scene.surfaces.iter().enumerate() {
         let view = SurfaceView::new(surface, &projection, settings, method)?;
+        let report = view.is_report();
         for (patch_number, patch) in surface.patches().enumerate() {
             let level = settings.tessellation.level().get() as usize;
             let vertices = view.vertices(&patch, level);
@@ -103,7 +104,7 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
                     };
                     let color = if view.trims.cut(fragment.uv) {
                         None
-                    } else if settings.wireframe {
+                    } else if settings.wireframe && (report || settings.red_lines) {
                         Some(DVec3::X)
                     } else {
                         Some(view.color(sample))
@@ -221,6 +222,13 @@ impl<'a> SurfaceView<'a> {
             method,
             parts,
         })
+    }
+
+    /// Whether the report's program draws it, as `renderer::programs::Pipeline::ported` decides.
+    fn is_report(&self) -> bool {
+        self.method == Method::Thesis
+            && self.surface.degree() == crate::Degree::Quartic
+            && self.surface.shading == crate::Shading::Unlit
     }
 
     /// The vertices of a patch at a level, row by row.

@@ -403,7 +403,7 @@ impl Renderer {
 
 /// Whether what is drawn is red lines.
 fn in_lines(settings: &RenderSettings, output: Output) -> bool {
-    settings.wireframe && output == Output::Picture
+    settings.wireframe && settings.red_lines && output == Output::Picture
 }
 
 fn set_for_aovs(program: &Program, frame: &Frame, target: &Target) {

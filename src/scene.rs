@@ -62,6 +62,8 @@ pub struct RenderSettings {
     pub normals: Normals,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
+    /// The lines are the report's red, whatever the surface looks like.
+    pub red_lines: bool,
     /// Control points as blue squares on top.
     pub control_points: bool,
     /// How the thesis' trimming iterates.
@@ -77,6 +79,7 @@ impl Default for RenderSettings {
             tessellation: Tessellation::default(),
             normals: Normals::default(),
             wireframe: false,
+            red_lines: false,
             control_points: false,
             newton: Newton::default(),
         }

@@ -427,3 +427,24 @@ fn one_bad_scene_does_not_stop_the_others() {
     assert!(folder.path("out/a.png").exists() && folder.path("out/c.png").exists());
     assert!(!folder.path("out/bad.png").exists());
 }
+
+#[test]
+fn keys_are_listed_without_a_window() {
+    let output = Folder::new().run(&["view", "--list-bindings"]);
+    assert!(output.status.success());
+    let list = text(&output.stdout);
+    assert!(
+        list.lines().any(|line| line.starts_with("W  ") && line.contains("wireframe")),
+        "{list}"
+    );
+}
+
+#[cfg(not(feature = "viewer"))]
+#[test]
+fn a_program_without_its_window_says_how_to_get_it() {
+    let output = Folder::new().run(&["view"]);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert_eq!(error.lines().count(), 1, "{error}");
+    assert!(error.contains("--features viewer"), "{error}");
+}

@@ -282,6 +282,35 @@ fn a_dragged_point_is_where_the_mouse_is_and_a_trim_takes_its_pixels() {
 }
 
 #[test]
+fn a_trim_is_pulled_in_the_panel() {
+    let folder = Folder::new();
+    let path = folder.write("a.toml", SQUARE);
+    let mut screen = Screen::start(&[path.to_str().unwrap()]);
+    screen.keys(&["c"]);
+    let before = screen.picture();
+    // The points of the inset; the leftmost is the circle's centre.
+    let points =
+        before.enumerate_pixels().filter(|(x, _, pixel)| *x > 700 && pixel.0 == [0, 128, 255, 255]);
+    let (x, y, _) = points.min_by_key(|(x, y, _)| (*x, *y)).expect("the inset has points");
+    let [from, to] = [(x + 2, y), (x + 32, y - 20)].map(|(x, y)| [x.to_string(), y.to_string()]);
+    screen.mouse(&["mousemove", &from[0], &from[1]]);
+    screen.mouse(&["mousedown", "1"]);
+    for step in [10, 20] {
+        screen.mouse(&["mousemove", &(x + step).to_string(), &(y - step).to_string()]);
+    }
+    screen.mouse(&["mousemove", &to[0], &to[1]]);
+    screen.mouse(&["mouseup", "1"]);
+    screen.mouse(&["mousemove", "500", "590"]);
+    assert!(changed(&before, &screen.picture()) > 5_000, "the hole moves");
+    screen.keys(&["ctrl+s", "ctrl+z", "h", "h", "h"]);
+    let saved = Scene::load(&folder.path("a-edited-001.toml")).unwrap();
+    let center = saved.surfaces[0].trims.circles[0].center;
+    assert!(center.distance(dvec2(0.5, 0.5) + dvec2(30.0, 20.0) / 172.0) < 0.02, "{center}");
+    assert!(changed(&before, &screen.picture()) < 500, "one step takes the pull back");
+    screen.quit("Escape");
+}
+
+#[test]
 fn the_window_shows_what_render_draws() {
     let folder = Folder::new();
     let scenes = [

@@ -326,6 +326,7 @@ impl Builder<'_> {
 fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettings> {
     let mut settings = RenderSettings {
         wireframe: table.wireframe,
+        red_lines: table.red_lines,
         control_points: table.control_points,
         ..RenderSettings::default()
     };

@@ -104,6 +104,7 @@ impl Writer<'_> {
             tessellation,
             normals,
             wireframe,
+            red_lines,
             control_points,
             newton,
         } = settings;
@@ -127,6 +128,7 @@ impl Writer<'_> {
         };
         self.line("normals", format_args!("\"{normals}\""));
         self.line("wireframe", wireframe);
+        self.line("red_lines", red_lines);
         self.line("control_points", control_points);
         let (iterations, epsilon) = (newton.iterations(), newton.epsilon());
         self.line("newton", format_args!("{{ iterations = {iterations}, epsilon = {epsilon:?} }}"));

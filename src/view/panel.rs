@@ -167,6 +167,7 @@ fn look(ui: &mut Ui, state: &mut State) {
     let mut settings = state.scene().settings;
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.wireframe, "wireframe");
+        ui.add_enabled_ui(settings.wireframe, |ui| ui.checkbox(&mut settings.red_lines, "red"));
         ui.checkbox(&mut settings.control_points, "points");
     });
     ui.horizontal(|ui| {

@@ -256,6 +256,7 @@ impl State {
                 let settings = &mut self.scene.settings;
                 settings.wireframe = !settings.wireframe;
                 settings.control_points = settings.wireframe;
+                settings.red_lines = settings.wireframe;
                 Ok(())
             }
             Action::Trim(kind) => {
