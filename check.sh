@@ -7,9 +7,12 @@ cd "$(dirname "$0")"
 export FREEFORM_TEST_BACKENDS="${FREEFORM_TEST_BACKENDS:-egl,osmesa}"
 
 cargo fmt --check
-cargo clippy --release --all-targets -- -D warnings
+cargo clippy --release --all-targets --features viewer -- -D warnings
+cargo clippy --release -- -D warnings
 cargo clippy --release --no-default-features -- -D warnings
 cargo test --release --no-default-features
-RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items
+RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items --features viewer
+sh setup.sh tests
+cargo test --release --features viewer --bin freeform --test view_window --example demo
 # The command of the README, word for word.
 sh setup.sh tests && cargo test --release

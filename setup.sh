@@ -1,6 +1,7 @@
 #!/bin/sh
 # Installs what the program needs to draw without a GPU: Mesa's EGL driver. With `tests` it also
-# installs OSMesa and a C compiler, which the tests need. Debian and Ubuntu; elsewhere it says what
+# installs a C compiler, OSMesa, and a display without a screen with its keys and mouse (Xvfb, xdotool and
+# the X libraries of a window), which the tests need. Debian and Ubuntu; elsewhere it says what
 # to install. Does nothing where everything is there.
 set -eu
 
@@ -30,6 +31,13 @@ command -v cc >/dev/null 2>&1 || need gcc
 any_file /usr/lib/*/crt1.o /usr/lib64/crt1.o /usr/lib/crt1.o || need libc6-dev
 if [ "${1:-}" = tests ]; then
     has_library libOSMesa.so || osmesa=libosmesa6
+    for program in Xvfb:xvfb xdotool:xdotool; do
+        command -v "${program%:*}" >/dev/null 2>&1 || need "${program#*:}"
+    done
+    for library in libGL.so.1:libgl1 libX11.so.6:libx11-6 libX11-xcb.so.1:libx11-xcb1 \
+        libXcursor.so.1:libxcursor1 libXi.so.6:libxi6 libxkbcommon-x11.so.0:libxkbcommon-x11-0; do
+        has_library "${library%:*}" || need "${library#*:}"
+    done
 fi
 [ -n "$missing$osmesa" ] || exit 0
 

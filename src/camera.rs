@@ -93,12 +93,20 @@ impl Camera {
     /// upright, `+y` or `+z`; the front is `+z` or `−y` accordingly.
     #[must_use]
     pub fn framing(points: impl Iterator<Item = DVec3> + Clone, up: DVec3, aspect: f64) -> Self {
-        let fov_y_radians = 40_f64.to_radians();
         let up = up.normalize_or(DVec3::Y);
         let front = if up.z.abs() > up.y.abs() { -DVec3::Y } else { DVec3::Z };
         let right = up.cross(front).normalize();
         let back = (front + 0.85 * up + 0.4 * right).normalize();
-        let screen_x = up.cross(back).normalize();
+        let lens = Lens::Perspective { fov_y_radians: 40_f64.to_radians() };
+        Self { eye: back, target: DVec3::ZERO, up, lens }.fitted(points, aspect)
+    }
+
+    /// A camera that looks the same way with the same kind of lens and sees all `points`, as large as a
+    /// picture of `aspect` (width over height) allows.
+    #[must_use]
+    pub fn fitted(&self, points: impl Iterator<Item = DVec3> + Clone, aspect: f64) -> Self {
+        let back = (self.eye - self.target).normalize();
+        let screen_x = self.up.cross(back).normalize();
         let screen_y = back.cross(screen_x);
 
         let mut least = DVec3::INFINITY;
@@ -113,41 +121,67 @@ impl Camera {
             (least, most) = (DVec3::NEG_ONE, DVec3::ONE);
         }
         let mut middle = (least + most) * 0.5;
-        let slope_y = (fov_y_radians * 0.5).tan() / FRAME_MARGIN;
-        let slope_x = slope_y * aspect;
+        let mut lens = self.lens;
         let mut distance: f64 = 0.0;
-        // Perspective moves the middle of the picture off the middle of the points; a few steps
-        // bring it back.
-        for _ in 0..4 {
-            let from_middle = points.clone().map(|point| onto_screen(point) - middle);
-            distance = from_middle
-                .clone()
-                .map(|p| p.z + (p.x.abs() / slope_x).max(p.y.abs() / slope_y))
-                .fold(0.0, f64::max);
-            let seen = from_middle.map(|p| p.truncate() / (distance - p.z));
-            let (low, high) = seen
-                .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
-                    (low.min(p), high.max(p))
-                });
-            let off = (low + high) * (0.5 * distance);
-            if off.is_finite() {
-                middle += off.extend(0.0);
+        match &mut lens {
+            Lens::Orthographic { height } => {
+                let size = most - least;
+                let needed = FRAME_MARGIN * size.y.max(size.x / aspect);
+                if needed > 0.0 {
+                    *height = needed;
+                }
+                distance = size.z + *height;
+            }
+            Lens::Perspective { fov_y_radians } => {
+                let slope_y = (*fov_y_radians * 0.5).tan() / FRAME_MARGIN;
+                let slope_x = slope_y * aspect;
+                // Perspective moves the middle of the picture off the middle of the points; a few
+                // steps bring it back.
+                for _ in 0..4 {
+                    let from_middle = points.clone().map(|point| onto_screen(point) - middle);
+                    distance = from_middle
+                        .clone()
+                        .map(|p| p.z + (p.x.abs() / slope_x).max(p.y.abs() / slope_y))
+                        .fold(0.0, f64::max);
+                    let seen = from_middle.map(|p| p.truncate() / (distance - p.z));
+                    let (low, high) = seen
+                        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
+                            (low.min(p), high.max(p))
+                        });
+                    let off = (low + high) * (0.5 * distance);
+                    if off.is_finite() {
+                        middle += off.extend(0.0);
+                    }
+                }
             }
         }
         let target = middle.x * screen_x + middle.y * screen_y + middle.z * back;
         let distance = if distance > 0.0 { distance } else { 1.0 };
-        Self {
-            eye: target + distance * back,
-            target,
-            up,
-            lens: Lens::Perspective { fov_y_radians },
-        }
+        Self { eye: target + distance * back, target, up: self.up, lens }
     }
 
     /// The eye in world space.
     #[must_use]
     pub const fn eye(&self) -> DVec3 {
         self.eye
+    }
+
+    /// What stands in the middle of the picture, in world space.
+    #[must_use]
+    pub const fn target(&self) -> DVec3 {
+        self.target
+    }
+
+    /// The direction that stands upright in the picture.
+    #[must_use]
+    pub const fn up(&self) -> DVec3 {
+        self.up
+    }
+
+    /// How depth turns into size.
+    #[must_use]
+    pub const fn lens(&self) -> Lens {
+        self.lens
     }
 
     /// The matrices for a picture of `aspect` (width over height), with clip planes that hold all

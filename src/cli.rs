@@ -19,9 +19,13 @@ use freeform_surface::{
 
 use exr::AovFile;
 use indicatif::ProgressBar;
-use output::Output;
+pub(crate) use output::Output;
+#[cfg(feature = "viewer")]
+pub(crate) use output::replace;
 use render::Job;
 use report::{ReportFormat, Topic};
+
+use crate::view::{self, ViewArguments};
 
 /// Renders trimmed Bézier surfaces with OpenGL tessellation, without a display.
 ///
@@ -44,6 +48,8 @@ enum Command {
     Smooth(SmoothArguments),
     /// Measure speed against error of both methods on this machine, and write it down as a page.
     Report(ReportArguments),
+    /// Show a scene in a window and edit it.
+    View(ViewArguments),
     /// Print the OpenGL driver and the limits that the program relies on.
     Info(InfoArguments),
 }
@@ -320,7 +326,7 @@ fn level(text: &str) -> Result<TessLevel, String> {
 }
 
 /// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
-fn say(line: impl std::fmt::Display) -> Result<(), Error> {
+pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::File {
             action: "write",
@@ -365,6 +371,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
         Some(Command::Measure(arguments)) => measure::all(arguments),
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
         Some(Command::Report(arguments)) => report::run(arguments).map_err(|error| vec![error]),
+        Some(Command::View(arguments)) => view::run(arguments).map_err(|error| vec![error]),
         Some(Command::Info(arguments)) => {
             info::print(arguments.backend).map_err(|error| vec![error])
         }

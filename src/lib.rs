@@ -60,7 +60,8 @@
 //!
 //! # Features
 //!
-//! `cli` (default) builds the `freeform` program; `headless` the contexts without a display. With
+//! `cli` (default) builds the `freeform` program; `viewer` its window; `headless` the contexts without a
+//! display. With
 //! `default-features = false` the library brings neither clap nor glutin.
 
 mod aov;
@@ -94,8 +95,8 @@ pub use mesh::{
 };
 pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
-    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene, Shading,
-    Surface, TessLevel, Tessellation, Tolerance, default_control_points, load_texture,
+    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene, SceneText,
+    Shading, Surface, TessLevel, Tessellation, Tolerance, default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;
 pub use tessellation::FrameFigures;

@@ -1,6 +1,7 @@
 //! The `freeform` program: scenes in, pictures out.
 
 mod cli;
+mod view;
 
 use std::process::ExitCode;
 

@@ -104,7 +104,7 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
                     };
                     let color = if view.trims.cut(fragment.uv) {
                         None
-                    } else if report && settings.wireframe {
+                    } else if settings.wireframe && (report || settings.red_lines) {
                         Some(DVec3::X)
                     } else {
                         Some(view.color(sample))

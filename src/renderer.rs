@@ -27,9 +27,9 @@ pub use triangles::DrawnVertex;
 use triangles::Feedback;
 
 use crate::camera::Projection;
-use crate::gpu::{Program, Target, VertexArray, check_version, draw_size};
+use crate::gpu::{Program, Target, Texture, VertexArray, check_version, draw_size};
 use crate::tessellation::{DrawSize, Parts};
-use crate::{FrameFigures, FreeFormSurface, Method, RenderSettings, Result, Shading};
+use crate::{FrameFigures, FreeFormSurface, Method, Paint, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
 pub const CONTROL_POINT_PX: f32 = 7.0;
@@ -61,6 +61,8 @@ pub struct Renderer {
     points_array: VertexArray,
     parts_array: VertexArray,
     corners_array: VertexArray,
+    /// What lines are painted with.
+    line_paint: Texture,
     draw_size: DrawSize,
 }
 
@@ -92,8 +94,24 @@ impl Renderer {
             points_array: VertexArray::of_points(gl)?,
             parts_array: VertexArray::of_parts(gl)?,
             corners_array: VertexArray::of_corners(gl)?,
+            line_paint: Paint::Color([1.0, 0.0, 0.0]).upload(gl)?,
             draw_size: draw_size(gl),
         })
+    }
+
+    /// The light and the picture that a surface is drawn with: its own, or as lines the report's red.
+    fn look<'a>(
+        &'a self,
+        shading: Shading,
+        texture: &'a Texture,
+        settings: &RenderSettings,
+        output: Output,
+    ) -> (Shading, &'a Texture) {
+        if in_lines(settings, output) {
+            (Shading::Unlit, &self.line_paint)
+        } else {
+            (shading, texture)
+        }
     }
 
     /// The functions of the context.
@@ -190,14 +208,15 @@ impl Renderer {
         let Some(trims) = &surface.uploaded_trims().thesis else { return Ok(()) };
         let aov = output == Output::Aovs;
         let pipeline = Pipeline::ported(surface);
+        let settings = &frame.settings;
+        let (shading, _) = self.look(surface.shading(), surface.texture(), settings, output);
         let key = ProgramKey {
             // The report's shaders hand on no position.
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
-            shading: surface.shading(),
+            shading,
             trims: trims.features(surface.trims()),
             output,
         };
-        let settings = &frame.settings;
         self.program(key)?;
         let program = &self.programs[&key];
         program.bind();
@@ -212,7 +231,7 @@ impl Renderer {
             set_for_aovs(program, frame, &Target::bound(&self.gl));
         }
         trims.set(surface.trims(), program, &settings.newton);
-        surface.texture().bind(0);
+        self.look(shading, surface.texture(), settings, output).1.bind(0);
         let side = surface.degree().points();
         self.set_state(side, settings.wireframe);
         let at_once = parts.patches_per_draw(settings.wireframe);
@@ -261,7 +280,7 @@ impl Renderer {
                 degenerate: batch.degenerate,
                 normals: settings.normals,
             },
-            shading: batch.shading,
+            shading: if in_lines(settings, output) { Shading::Unlit } else { batch.shading },
             trims: batch.trims,
             output,
         };
@@ -280,7 +299,9 @@ impl Renderer {
                 let surface = &surfaces[batch.surface];
                 let program = &self.programs[&key(batch)];
                 program.bind();
-                if batch.shading == Shading::Phong && !aov {
+                let (shading, texture) =
+                    self.look(batch.shading, surface.texture(), settings, output);
+                if shading == Shading::Phong && !aov {
                     // The lights stand in the world.
                     program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
                 }
@@ -292,7 +313,7 @@ impl Renderer {
                 {
                     trims.bind();
                 }
-                surface.texture().bind(0);
+                texture.bind(0);
                 surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
                 matrices.bind(SURFACES_UNIT);
                 self.set_state(1, settings.wireframe);
@@ -378,6 +399,11 @@ impl Renderer {
             self.gl.use_program(None);
         }
     }
+}
+
+/// Whether what is drawn is red lines.
+fn in_lines(settings: &RenderSettings, output: Output) -> bool {
+    settings.wireframe && settings.red_lines && output == Output::Picture
 }
 
 fn set_for_aovs(program: &Program, frame: &Frame, target: &Target) {

@@ -6,6 +6,7 @@ mod model;
 mod obj;
 mod tables;
 mod texture;
+mod write;
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ use crate::{
 
 pub use model::MeshModel;
 pub use texture::load_texture;
+pub use write::SceneText;
 
 /// A picture that is laid over the domain of a surface; its first row is v = 1.
 pub type Image = image::RgbaImage;
@@ -60,6 +62,8 @@ pub struct RenderSettings {
     pub normals: Normals,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
+    /// The lines are the report's red, whatever the surface looks like.
+    pub red_lines: bool,
     /// Control points as blue squares on top.
     pub control_points: bool,
     /// How the thesis' trimming iterates.
@@ -75,6 +79,7 @@ impl Default for RenderSettings {
             tessellation: Tessellation::default(),
             normals: Normals::default(),
             wireframe: false,
+            red_lines: false,
             control_points: false,
             newton: Newton::default(),
         }
@@ -495,18 +500,27 @@ impl Scene {
     /// A camera that sees the whole scene, for pictures of `aspect` (width over height).
     #[must_use]
     pub fn framed(&self, aspect: f64) -> Camera {
+        Camera::framing(self.shown_points(), self.up, aspect)
+    }
+
+    /// A camera that looks the same way and sees the whole scene.
+    #[must_use]
+    pub fn fitted(&self, camera: &Camera, aspect: f64) -> Camera {
+        camera.fitted(self.shown_points(), aspect)
+    }
+
+    /// Points in world space that tell how large the scene is.
+    fn shown_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
         // Few patches need many samples to show their shape, many patches few.
         const SAMPLES: usize = 4_000;
         let patches: usize = self.surfaces.iter().map(|surface| surface.patches().len()).sum();
         let side = (SAMPLES / patches.max(1)).isqrt().clamp(2, 17);
-        let points = self.surfaces.iter().flat_map(|surface| surface.samples(side));
-        let points = points.chain(self.meshes.iter().flat_map(MeshModel::samples));
-        if self.settings.control_points {
-            let control_points = self.surfaces.iter().flat_map(Surface::world_points);
-            Camera::framing(points.chain(control_points), self.up, aspect)
-        } else {
-            Camera::framing(points, self.up, aspect)
-        }
+        let points = self.surfaces.iter().flat_map(move |surface| surface.samples(side));
+        let control_points = self.surfaces.iter().flat_map(Surface::world_points);
+        let shown = if self.settings.control_points { usize::MAX } else { 0 };
+        points
+            .chain(self.meshes.iter().flat_map(MeshModel::samples))
+            .chain(control_points.take(shown))
     }
 }
 

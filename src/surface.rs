@@ -388,6 +388,18 @@ impl FreeFormSurface {
         self.forget_trims();
     }
 
+    /// Replaces all trims and their switches.
+    ///
+    /// # Errors
+    /// A shape that its constructor refuses, too many segments; the surface stays as it was.
+    pub fn set_trims(&mut self, trims: Trims) -> Result<()> {
+        trims.check()?;
+        self.segments = trims.segment_count();
+        self.surface.trims = trims;
+        self.forget_trims();
+        Ok(())
+    }
+
     /// The trims as they are now.
     #[must_use]
     pub const fn trims(&self) -> &Trims {
@@ -492,7 +504,8 @@ impl FreeFormSurface {
     }
 }
 
-fn check_transform(matrix: &DMat4) -> Result<()> {
+/// Checks a matrix that places something in the world.
+pub(crate) fn check_transform(matrix: &DMat4) -> Result<()> {
     for column in [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis] {
         check_coordinates("model matrix", column.truncate())?;
     }

@@ -452,3 +452,24 @@ fn meshes_are_smoothed_as_asked() {
     assert!(said.contains("patches 20 drawn, 0 culled"), "{said}");
     assert!(said.contains("triangles 260, draws 1"), "{said}");
 }
+
+#[test]
+fn keys_are_listed_without_a_window() {
+    let output = Folder::new().run(&["view", "--list-bindings"]);
+    assert!(output.status.success());
+    let list = text(&output.stdout);
+    assert!(
+        list.lines().any(|line| line.starts_with("W  ") && line.contains("wireframe")),
+        "{list}"
+    );
+}
+
+#[cfg(not(feature = "viewer"))]
+#[test]
+fn a_program_without_its_window_says_how_to_get_it() {
+    let output = Folder::new().run(&["view"]);
+    let error = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{error}");
+    assert_eq!(error.lines().count(), 1, "{error}");
+    assert!(error.contains("--features viewer"), "{error}");
+}

@@ -26,7 +26,9 @@ fn a_page_and_its_data_are_written() {
     assert!(output.status.success(), "{output:?}");
     let read = |name: &str| std::fs::read_to_string(folder.path(name)).expect("a file of text");
     let page = read("r/index.html");
-    for words in ["<!DOCTYPE html>", "<svg role=\"img\"", "freeform report --out r --quick", "viewport"] {
+    for words in
+        ["<!DOCTYPE html>", "<svg role=\"img\"", "freeform report --out r --quick", "viewport"]
+    {
         assert!(page.contains(words), "{words}");
     }
     // One file that needs nothing else, and no script.

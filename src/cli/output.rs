@@ -13,7 +13,7 @@ use image::{ExtendedColorType, ImageEncoder as _};
 
 /// The place of one picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Output {
+pub(crate) enum Output {
     /// A PNG file.
     File(PathBuf),
     /// Standard output.
@@ -113,7 +113,7 @@ impl Output {
     ///
     /// # Errors
     /// The file cannot be written; an older one stays as it was.
-    pub(super) fn write(&self, image: &Image) -> Result<()> {
+    pub(crate) fn write(&self, image: &Image) -> Result<()> {
         let path = match self {
             Self::File(path) => path.clone(),
             Self::Standard => PathBuf::from("standard output"),
@@ -163,7 +163,7 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
 }
 
 /// Writes beside `path` and renames.
-pub(super) fn replace(
+pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {

@@ -131,6 +131,46 @@ impl Framebuffer {
         self.samples
     }
 
+    /// Copies the pixels as they are now, each the average of its samples, to the lower left of what
+    /// the context shows in its window.
+    pub fn show(&self) {
+        if let Some(resolved) = &self.resolved {
+            self.copy_to(Some(resolved.raw));
+            resolved.show();
+        } else {
+            self.copy_to(None);
+        }
+    }
+
+    /// Copies the colours to a framebuffer of the same size, or to the window's.
+    fn copy_to(&self, other: Option<glow::Framebuffer>) {
+        let (width, height) = (self.width as i32, self.height as i32);
+        // SAFETY: the context is current (see the module); both are framebuffers of it, and what lies
+        // outside of one is clipped.
+        unsafe {
+            // A blit is clipped by the scissor too.
+            let scissor = self.gl.is_enabled(glow::SCISSOR_TEST);
+            self.gl.disable(glow::SCISSOR_TEST);
+            self.gl.blit_named_framebuffer(
+                Some(self.raw),
+                other,
+                0,
+                0,
+                width,
+                height,
+                0,
+                0,
+                width,
+                height,
+                glow::COLOR_BUFFER_BIT,
+                glow::NEAREST,
+            );
+            if scissor {
+                self.gl.enable(glow::SCISSOR_TEST);
+            }
+        }
+    }
+
     /// The pixels as they are now, first row on top; each the average of its samples.
     ///
     /// # Panics
@@ -139,29 +179,7 @@ impl Framebuffer {
     pub fn read(&self) -> Image {
         let (width, height) = (self.width as i32, self.height as i32);
         if let Some(resolved) = &self.resolved {
-            // SAFETY: the context is current (see the module); both pictures have this size.
-            unsafe {
-                // A blit is clipped too.
-                let scissor = self.gl.is_enabled(glow::SCISSOR_TEST);
-                self.gl.disable(glow::SCISSOR_TEST);
-                self.gl.blit_named_framebuffer(
-                    Some(self.raw),
-                    Some(resolved.raw),
-                    0,
-                    0,
-                    width,
-                    height,
-                    0,
-                    0,
-                    width,
-                    height,
-                    glow::COLOR_BUFFER_BIT,
-                    glow::NEAREST,
-                );
-                if scissor {
-                    self.gl.enable(glow::SCISSOR_TEST);
-                }
-            }
+            self.copy_to(Some(resolved.raw));
             return resolved.read();
         }
         let row = 4 * self.width as usize;

@@ -5,6 +5,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use bytemuck::Pod;
 use glam::{DMat3, DMat4, DVec3, DVec4, UVec2, Vec4};
 
 use super::Frame;
@@ -32,9 +33,13 @@ pub(crate) struct Drawing {
     lists: Vec<Lists>,
     seen: Option<Seen>,
     plan: Plan,
-    /// The parts of all lists, one list after the other, on their way to the driver.
+    /// The parts of all lists, one list after the other, on their way to the driver; and those that it
+    /// has.
     staged: Vec<Part>,
+    uploaded: Vec<Part>,
     parts: Option<Buffer>,
+    /// What the driver has of the surfaces' matrices.
+    columns: Vec<Vec4>,
     matrices: Option<TexelBuffer>,
     draws: Vec<Draw>,
 }
@@ -245,12 +250,14 @@ impl Drawing {
         if self.parts.as_ref().is_none_or(|parts| parts.bytes() < bytes) {
             let room = vec![0_u8; bytes.next_power_of_two()];
             self.parts = Some(Buffer::new(gl, "parts of patches", &room)?);
+            self.uploaded.clear();
         }
         self.staged.clear();
         self.staged.extend(self.plan.lists().iter().flatten());
         if let Some(parts) = &self.parts {
-            parts.write(0, &self.staged);
+            write_changed(parts, &self.uploaded, &self.staged);
         }
+        std::mem::swap(&mut self.uploaded, &mut self.staged);
         let mut first = 0;
         for (batch, parts) in self.plan.lists().iter().enumerate() {
             let mut rest = parts.as_slice();
@@ -270,11 +277,25 @@ impl Drawing {
             .collect();
         match &self.matrices {
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
-                matrices.buffer().write(0, &texels);
+                write_changed(matrices.buffer(), &self.columns, &texels);
             }
             _ => self.matrices = Some(TexelBuffer::of_vectors(gl, "matrices", &texels)?),
         }
+        self.columns = texels;
         Ok(())
+    }
+}
+
+/// Writes the values from the first to the last that differ from those that a buffer has.
+fn write_changed<T: Pod + PartialEq>(buffer: &Buffer, old: &[T], new: &[T]) {
+    let first = std::iter::zip(old, new).take_while(|(old, new)| old == new).count();
+    // Nothing is known of what lies beyond the old ones.
+    let old_rest = old.get(first..new.len()).unwrap_or_default();
+    let pairs = std::iter::zip(old_rest.iter().rev(), new[first..].iter().rev());
+    let same_at_end = pairs.take_while(|(old, new)| old == new).count();
+    let changed = &new[first..new.len() - same_at_end];
+    if !changed.is_empty() {
+        buffer.write(first, changed);
     }
 }
 

@@ -228,9 +228,10 @@ impl Renderer {
     ) -> Result<()> {
         let Some(levels) = &mesh.levels else { return Ok(()) };
         let smoothing = mesh.model.smoothing();
+        let (shading, _) = self.look(mesh.model.shading, &mesh.texture, &frame.settings, output);
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn },
-            shading: mesh.model.shading,
+            shading,
             trims: TrimFeatures::NONE,
             output,
         };
@@ -255,7 +256,7 @@ impl Renderer {
             program.set_f32(location::ALPHA, alpha.get() as f32);
         }
         if output == Output::Picture {
-            if mesh.model.shading == Shading::Phong {
+            if shading == Shading::Phong {
                 program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
             }
         } else {
@@ -264,7 +265,7 @@ impl Renderer {
         if output == Output::Aovs {
             set_for_aovs(program, frame, &Target::bound(&self.gl));
         }
-        mesh.texture.bind(0);
+        self.look(shading, &mesh.texture, &frame.settings, output).1.bind(0);
         levels.bind(LEVELS_UNIT);
         self.set_state(3, frame.settings.wireframe);
         self.corners_array.bind(&mesh.corners);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{DMat4, DVec2, DVec3, EulerRot};
+use glam::{DMat4, DVec2, DVec3, DVec4, EulerRot};
 use toml::Spanned;
 
 use super::tables::{
@@ -19,6 +19,7 @@ use super::{
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
+use crate::surface::check_transform;
 use crate::{
     Alpha, Camera, Circle, CreaseAngle, Degree, Ellipse, Error, Interval, Keep, Mesh, Newton,
     NewtonTrims, Result, Segment, Smoothing, TrimLoop, Trims,
@@ -221,7 +222,7 @@ impl Builder<'_> {
             }
         };
         let paint = self.paint(table.texture, table.color, table.shading)?;
-        let transform = transform(table.translate, table.rotate_degrees, table.scale)
+        let transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
             .map_err(|error| self.at(start, error))?;
         for surface in &mut surfaces {
             surface.transform = transform;
@@ -285,7 +286,7 @@ impl Builder<'_> {
         model.level = table.level.map(|level| self.check(level, TessLevel::new)).transpose()?;
         model.paint = self.paint(table.texture, table.color, table.shading)?;
         model.shading = table.shading.into();
-        model.transform = transform(table.translate, table.rotate_degrees, table.scale)
+        model.transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
             .map_err(|error| self.at(start, error))?;
         Ok(model)
     }
@@ -325,6 +326,7 @@ impl Builder<'_> {
 fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettings> {
     let mut settings = RenderSettings {
         wireframe: table.wireframe,
+        red_lines: table.red_lines,
         control_points: table.control_points,
         ..RenderSettings::default()
     };
@@ -394,8 +396,27 @@ fn unit_range<const N: usize>(name: &str, values: [f32; N]) -> Result<[f32; N]> 
     }
 }
 
+/// The place in the world: the first three rows of a matrix, or what [`transform`] takes.
+fn placed(
+    translate: Option<DVec3Value>,
+    rotate_degrees: Option<DVec3Value>,
+    scale: Option<f64>,
+    matrix: Option<[[f64; 4]; 3]>,
+) -> Result<DMat4> {
+    let Some([x, y, z]) = matrix.map(|rows| rows.map(DVec4::from_array)) else {
+        return transform(translate, rotate_degrees, scale);
+    };
+    if translate.is_some() || rotate_degrees.is_some() || scale.is_some() {
+        let value = "beside translate, rotate_degrees or scale";
+        return Err(Error::invalid("matrix", value, "the matrix alone, or none"));
+    }
+    let matrix = DMat4::from_cols(x, y, z, DVec4::W).transpose();
+    check_transform(&matrix)?;
+    Ok(matrix)
+}
+
 /// Scale first, then the rotations about x, y and z, then the translation.
-fn transform(
+pub(super) fn transform(
     translate: Option<DVec3Value>,
     rotate_degrees: Option<DVec3Value>,
     scale: Option<f64>,

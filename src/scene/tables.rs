@@ -45,6 +45,7 @@ pub(super) struct RenderTable {
     pub(super) tolerance: Option<Spanned<f64>>,
     pub(super) normals: Option<Spanned<String>>,
     pub(super) wireframe: bool,
+    pub(super) red_lines: bool,
     pub(super) control_points: bool,
     pub(super) newton: Option<Spanned<NewtonTable>>,
 }
@@ -68,6 +69,7 @@ pub(super) struct SurfaceTable {
     pub(super) translate: Option<DVec3Value>,
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,
+    pub(super) matrix: Option<[[f64; 4]; 3]>,
     #[serde(default)]
     pub(super) keep: KeepName,
     #[serde(default)]
@@ -92,6 +94,7 @@ pub(super) struct MeshTable {
     pub(super) translate: Option<DVec3Value>,
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,
+    pub(super) matrix: Option<[[f64; 4]; 3]>,
 }
 
 #[derive(Deserialize, Default, Clone, Copy, PartialEq)]

@@ -1,0 +1,385 @@
+//! A scene as the text of a `.toml` file that draws the same picture.
+//!
+//! Numbers are written with as many digits as it takes to read the same number again. Patches, meshes and
+//! pictures that a file of the scene still holds are named; others need files beside the text.
+
+use std::fmt::Write as _;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::{DMat4, DVec2, DVec3, DVec4};
+use image::ImageFormat;
+
+use super::document::transform;
+use super::{
+    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
+    Tessellation, bpt, default_control_points, extension, load_texture, read_text,
+};
+use crate::camera::Lens;
+use crate::{Camera, CreaseAngle, Error, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims};
+
+/// Loops of more segments together are written as a path, whose length a scene does not limit.
+const MANY_SEGMENTS: usize = 200;
+/// Width over height for which a scene is framed that stands on z and has no camera.
+const ASPECT: f64 = 5.0 / 3.0;
+
+/// The text of a scene file, and what must stand beside it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneText {
+    /// The file's text.
+    pub text: String,
+    /// Other files that it names, and their bytes.
+    pub files: Vec<(PathBuf, Vec<u8>)>,
+}
+
+impl Scene {
+    /// The text of a `.toml` file at `path` that draws the same picture. What is switched off of trims is
+    /// left out. Files that stand beside it get its name and a number.
+    ///
+    /// # Errors
+    /// A picture that cannot be encoded.
+    pub fn to_toml(&self, path: &Path) -> Result<SceneText> {
+        let mut writer = Writer {
+            path,
+            sources: &self.files,
+            pictures: Vec::new(),
+            out: SceneText { text: String::new(), files: Vec::new() },
+        };
+        let stands_on_z = self.camera.is_none() && self.up != DVec3::Y;
+        if let Some(camera) = self.camera.or_else(|| stands_on_z.then(|| self.framed(ASPECT))) {
+            writer.camera(&camera);
+        }
+        writer.settings(&self.settings);
+        for surface in &self.surfaces {
+            writer.surface(surface)?;
+        }
+        for mesh in &self.meshes {
+            writer.mesh(mesh)?;
+        }
+        Ok(writer.out)
+    }
+}
+
+struct Writer<'a> {
+    path: &'a Path,
+    /// Files of the scene.
+    sources: &'a [PathBuf],
+    /// Pictures that have a name already.
+    pictures: Vec<(Arc<Image>, String)>,
+    out: SceneText,
+}
+
+impl Writer<'_> {
+    fn line(&mut self, key: &str, value: impl std::fmt::Display) {
+        // Writing to a string cannot fail.
+        let _ = writeln!(self.out.text, "{key} = {value}");
+    }
+
+    fn header(&mut self, header: &str) {
+        let gap = if self.out.text.is_empty() { "" } else { "\n" };
+        let _ = writeln!(self.out.text, "{gap}{header}");
+    }
+
+    fn camera(&mut self, camera: &Camera) {
+        self.header("[camera]");
+        self.line("eye", vector(camera.eye()));
+        self.line("target", vector(camera.target()));
+        self.line("up", vector(camera.up()));
+        match camera.lens() {
+            Lens::Perspective { fov_y_radians } => {
+                self.line("fov_y_degrees", format_args!("{:?}", degrees(fov_y_radians)));
+            }
+            Lens::Orthographic { height } => {
+                self.line("orthographic_height", format_args!("{height:?}"));
+            }
+        }
+    }
+
+    fn settings(&mut self, settings: &RenderSettings) {
+        let RenderSettings {
+            background,
+            method,
+            samples,
+            tessellation,
+            normals,
+            wireframe,
+            red_lines,
+            control_points,
+            newton,
+        } = settings;
+        self.header("[render]");
+        self.line("background", format_args!("{background:?}"));
+        let method = match method {
+            Method::Thesis => "thesis",
+            Method::Exact => "exact",
+        };
+        self.line("method", format_args!("\"{method}\""));
+        self.line("samples", samples.get());
+        match tessellation {
+            Tessellation::Level(level) => self.line("level", level.get()),
+            Tessellation::Within(tolerance) => {
+                self.line("tolerance", format_args!("{:?}", tolerance.pixels()));
+            }
+        }
+        let normals = match normals {
+            Normals::Vertex => "vertex",
+            Normals::Pixel => "pixel",
+        };
+        self.line("normals", format_args!("\"{normals}\""));
+        self.line("wireframe", wireframe);
+        self.line("red_lines", red_lines);
+        self.line("control_points", control_points);
+        let (iterations, epsilon) = (newton.iterations(), newton.epsilon());
+        self.line("newton", format_args!("{{ iterations = {iterations}, epsilon = {epsilon:?} }}"));
+    }
+
+    fn surface(&mut self, surface: &Surface) -> Result<()> {
+        self.header("[[surface]]");
+        let points = surface.control_points();
+        if points == default_control_points() {
+            self.line("control_points", "\"default\"");
+        } else if points.len() == surface.degree().points() {
+            let rows: Vec<String> =
+                points.iter().map(|point| format!("    {},\n", control_point(*point))).collect();
+            self.line("control_points", format_args!("[\n{}]", rows.concat()));
+        } else {
+            let file = self.patches(surface)?;
+            self.line("file", file);
+        }
+        self.look(&surface.paint, surface.shading, &surface.transform)?;
+        if surface.cull == Cull::Back {
+            self.line("cull", "\"back\"");
+        }
+        self.trims(&surface.trims);
+        Ok(())
+    }
+
+    /// The name of a `.bpt` file with the patches of a surface.
+    fn patches(&mut self, surface: &Surface) -> Result<String> {
+        let points = surface.control_points();
+        for source in self.sources.iter().filter(|source| extension(source) == "bpt") {
+            let read = read_text(source).and_then(|text| bpt::parse(&text, source));
+            if read.is_ok_and(|read| matches!(&*read, [only] if only.control_points() == points)) {
+                return Ok(self.name(source));
+            }
+        }
+        let rational = points.iter().position(|point| point.w != 1.0);
+        if let Some(index) = rational {
+            let value = format!("weight {} among several patches", points[index].w);
+            return Err(Error::invalid(format!("control point {index}"), value, "weight 1"));
+        }
+        let degree = surface.degree().side() - 1;
+        let mut text = format!("{}\n", surface.patches().len());
+        for patch in points.chunks_exact(surface.degree().points()) {
+            let _ = writeln!(text, "{degree} {degree}");
+            for point in patch {
+                let _ = writeln!(text, "{:?} {:?} {:?}", point.x, point.y, point.z);
+            }
+        }
+        Ok(self.beside("bpt", text.into_bytes()))
+    }
+
+    fn mesh(&mut self, model: &MeshModel) -> Result<()> {
+        self.header("[[mesh]]");
+        let mesh = model.mesh().mesh();
+        let source = self.sources.iter().find(|source| {
+            let reads_same = |source| {
+                Mesh::load_obj(source, CreaseAngle::default()).is_ok_and(|read| read == *mesh)
+            };
+            extension(source) == "obj" && reads_same(source)
+        });
+        let file = match source {
+            Some(source) => self.name(source),
+            None => {
+                let mut bytes = Vec::new();
+                mesh.write_obj(&mut bytes).map_err(|error| Error::File {
+                    action: "write",
+                    path: self.path.to_owned(),
+                    reason: error.to_string(),
+                })?;
+                self.beside("obj", bytes)
+            }
+        };
+        self.line("file", file);
+        match model.smoothing() {
+            Smoothing::None => {}
+            Smoothing::Pn => self.line("smoothing", "\"pn\""),
+            Smoothing::Phong(alpha) => {
+                self.line("smoothing", "\"phong\"");
+                self.line("alpha", format_args!("{:?}", alpha.get()));
+            }
+        }
+        if let Some(level) = model.level {
+            self.line("level", level.get());
+        }
+        self.look(&model.paint, model.shading, &model.transform)
+    }
+
+    fn look(&mut self, paint: &Paint, shading: Shading, matrix: &DMat4) -> Result<()> {
+        match paint {
+            Paint::Color(rgb) => self.line("color", format_args!("{rgb:?}")),
+            Paint::Texture(image) => {
+                let name = self.picture(image)?;
+                self.line("texture", name);
+            }
+        }
+        match shading {
+            Shading::Phong => {}
+            Shading::Unlit => self.line("shading", "\"texture\""),
+            Shading::Normals => self.line("shading", "\"normals\""),
+        }
+        let bits = |matrix: &DMat4| matrix.to_cols_array().map(f64::to_bits);
+        let translate = matrix.w_axis.truncate();
+        let moved = transform(Some(translate.into()), None, None);
+        if moved.is_ok_and(|moved| bits(&moved) == bits(matrix)) {
+            if translate != DVec3::ZERO {
+                self.line("translate", vector(translate));
+            }
+        } else {
+            let rows = [0, 1, 2].map(|row| numbers(&matrix.row(row).to_array()));
+            self.line("matrix", format_args!("[{}]", rows.join(", ")));
+        }
+        Ok(())
+    }
+
+    /// The name of a file with this picture.
+    fn picture(&mut self, image: &Arc<Image>) -> Result<String> {
+        if let Some((_, name)) = self.pictures.iter().find(|(known, _)| Arc::ptr_eq(known, image)) {
+            return Ok(name.clone());
+        }
+        let is_picture = |source: &PathBuf| {
+            !matches!(extension(source).as_str(), "toml" | "bpt" | "obj")
+                && load_texture(source).is_ok_and(|read| read == **image)
+        };
+        let name = match self.sources.iter().find(|source| is_picture(source)) {
+            Some(source) => self.name(source),
+            None => {
+                let mut bytes = Cursor::new(Vec::new());
+                image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| Error::File {
+                    action: "write",
+                    path: self.path.to_owned(),
+                    reason: error.to_string(),
+                })?;
+                self.beside("png", bytes.into_inner())
+            }
+        };
+        self.pictures.push((Arc::clone(image), name.clone()));
+        Ok(name)
+    }
+
+    /// Adds a file beside the text; its name as the text has it.
+    fn beside(&mut self, extension: &str, bytes: Vec<u8>) -> String {
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        let name = format!("{stem}-{}.{extension}", self.out.files.len() + 1);
+        self.out.files.push((self.path.with_file_name(&name), bytes));
+        quoted(&name)
+    }
+
+    /// The name of a file as the text has it: from the text's folder, or from the root.
+    fn name(&self, file: &Path) -> String {
+        let folder = self.path.parent().unwrap_or_else(|| Path::new(""));
+        let name = match file.strip_prefix(folder) {
+            Ok(name) => name.to_owned(),
+            Err(_) => std::path::absolute(file).unwrap_or_else(|_| file.to_owned()),
+        };
+        quoted(&name.to_string_lossy())
+    }
+
+    fn trims(&mut self, trims: &Trims) {
+        let on = |on: bool| if on { usize::MAX } else { 0 };
+        let loops = &trims.loops[..trims.loops.len().min(on(trims.loops_on))];
+        if trims.keep == Keep::Inside && !loops.is_empty() {
+            self.line("keep", "\"inside\"");
+        }
+        for circle in trims.circles.iter().take(on(trims.circles_on)) {
+            let (center, radius) = (pair(circle.center), circle.radius);
+            self.trim("circle", format_args!("{{ center = {center}, radius = {radius:?} }}"));
+        }
+        for interval in trims.intervals.iter().take(on(trims.intervals_on)) {
+            let (u, v) = (pair(interval.u), pair(interval.v));
+            self.trim("interval", format_args!("{{ u = {u}, v = {v} }}"));
+        }
+        for ellipse in trims.ellipses.iter().take(on(trims.ellipses_on)) {
+            let (center, radii) = (pair(ellipse.center), pair(ellipse.radii));
+            self.trim("ellipse", format_args!("{{ center = {center}, radii = {radii} }}"));
+        }
+        if loops.iter().map(|one| one.segments().len()).sum::<usize>() > MANY_SEGMENTS {
+            let lines: Vec<String> = loops.iter().map(path_data).collect();
+            self.trim("path", format_args!("\"\"\"\n{}\n\"\"\"", lines.join("\n")));
+            return;
+        }
+        for trim_loop in loops {
+            let segments = trim_loop.segments().iter().map(|segment| {
+                let points: Vec<String> = segment.points().iter().copied().map(pair).collect();
+                format!("    [{}],\n", points.join(", "))
+            });
+            self.trim("loop", format_args!("[\n{}]", segments.collect::<String>()));
+        }
+    }
+
+    fn trim(&mut self, key: &str, value: impl std::fmt::Display) {
+        self.header("[[surface.trim]]");
+        self.line(key, value);
+    }
+}
+
+/// A loop as SVG path data; it ends where it began.
+fn path_data(trim_loop: &TrimLoop) -> String {
+    let mut data = String::new();
+    let start = trim_loop.segments()[0].start();
+    let _ = write!(data, "M{:?} {:?}", start.x, start.y);
+    for segment in trim_loop.segments() {
+        data.push(match segment {
+            Segment::Line(_) => 'L',
+            Segment::Quadratic(_) => 'Q',
+            Segment::Cubic(_) => 'C',
+        });
+        for (i, point) in segment.points()[1..].iter().enumerate() {
+            let gap = if i == 0 { "" } else { " " };
+            let _ = write!(data, "{gap}{:?} {:?}", point.x, point.y);
+        }
+    }
+    data
+}
+
+fn numbers(values: &[f64]) -> String {
+    format!("{values:?}")
+}
+
+fn control_point(point: DVec4) -> String {
+    if point.w == 1.0 { vector(point.truncate()) } else { numbers(&point.to_array()) }
+}
+
+fn vector(vector: DVec3) -> String {
+    numbers(&vector.to_array())
+}
+
+fn pair(pair: DVec2) -> String {
+    numbers(&pair.to_array())
+}
+
+/// The degrees that become these radians when they are read, if any number does.
+fn degrees(radians: f64) -> f64 {
+    let near = radians.to_degrees();
+    let others = [near, near.next_up(), near.next_down()];
+    let further = [near.next_up().next_up(), near.next_down().next_down()];
+    let mut all = others.into_iter().chain(further);
+    all.find(|degrees| degrees.to_radians() == radians).unwrap_or(near)
+}
+
+/// A TOML string.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from('"');
+    for char in text.chars() {
+        match char {
+            '"' | '\\' => quoted.extend(['\\', char]),
+            char if char.is_control() => {
+                let _ = write!(quoted, "\\U{:08X}", u32::from(char));
+            }
+            char => quoted.push(char),
+        }
+    }
+    quoted.push('"');
+    quoted
+}

@@ -1,0 +1,89 @@
+//! `freeform view`: a window that shows a scene and edits it.
+//!
+//! ```text
+//! window system → input → Key, Button → State → Changes → PreparedScene → picture → window
+//! ```
+//!
+//! What keys and mouse do is decided without a window ([`state`], [`pointer`], and the table in [`action`])
+//! and tested without one. The window itself is behind the feature `viewer`.
+
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod action;
+#[cfg(feature = "viewer")]
+mod app;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod camera;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod files;
+#[cfg(feature = "viewer")]
+mod gl;
+#[cfg(feature = "viewer")]
+mod input;
+#[cfg(feature = "viewer")]
+mod inset;
+#[cfg(feature = "viewer")]
+mod overlay;
+#[cfg(feature = "viewer")]
+mod panel;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod pick;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod pointer;
+#[cfg(feature = "viewer")]
+mod screen;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod state;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod trims;
+#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
+mod undo;
+#[cfg(feature = "viewer")]
+mod watch;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use freeform_surface::Result;
+
+use crate::cli::say;
+
+/// What `freeform view` takes.
+#[derive(Debug, Args)]
+pub(crate) struct ViewArguments {
+    /// The scene: a .toml, .bpt or .obj file; without one, a surface with bricks.
+    #[arg(value_name = "SCENE")]
+    scene: Option<PathBuf>,
+
+    /// Show the scene anew whenever its file changes, from where it is seen.
+    #[arg(long)]
+    watch: bool,
+
+    /// Print what keys and mouse do, and open no window.
+    #[arg(long)]
+    list_bindings: bool,
+}
+
+/// Opens the window, and returns when it is closed.
+///
+/// # Errors
+/// A scene that cannot be read, no window system, no OpenGL 4.5; a program without windows.
+pub(crate) fn run(arguments: &ViewArguments) -> Result<()> {
+    if arguments.list_bindings {
+        return action::lines().try_for_each(|(keys, help)| say(format_args!("{keys:46} {help}")));
+    }
+    show(arguments)
+}
+
+#[cfg(feature = "viewer")]
+fn show(arguments: &ViewArguments) -> Result<()> {
+    app::run(arguments)
+}
+
+#[cfg(not(feature = "viewer"))]
+fn show(_: &ViewArguments) -> Result<()> {
+    Err(freeform_surface::Error::Context(
+        "this program was built without its window; cargo install --path . --features viewer, or \
+         cargo run --release --features viewer -- view"
+            .into(),
+    ))
+}

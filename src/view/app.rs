@@ -1,0 +1,401 @@
+//! The window's events, one after the other, and a frame when something changed.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use freeform_surface::{Error, Result, Scene};
+use glam::dvec2;
+use winit::application::ApplicationHandler;
+use winit::event::{ElementState, StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::keyboard::ModifiersState;
+use winit::window::WindowId;
+
+use super::action::Action;
+use super::gl::GlWindow;
+use super::overlay::Overlay;
+use super::screen::Screen;
+use super::state::{Message, Request, State};
+use super::watch::Watch;
+use super::{ViewArguments, files, input, panel};
+use crate::cli::{Output, replace};
+
+/// So long a changed file must rest before it is read: editors write in several steps.
+const REST: Duration = Duration::from_millis(100);
+
+/// Shows a window until it is closed.
+///
+/// # Errors
+/// A scene that cannot be read, no window system, no OpenGL 4.5.
+pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
+    let scene = match &arguments.scene {
+        Some(path) => Scene::load(path)?,
+        None => Scene::listing16(),
+    };
+    let no_display = |error: winit::error::EventLoopError| {
+        // Before its last colon stands a line of winit's own source.
+        let error = error.to_string();
+        let reason = error.rsplit(": ").next().unwrap_or_default();
+        let what = format!("no display ({reason}); freeform render draws without one");
+        Error::Context(what)
+    };
+    let events = EventLoop::<Changed>::with_user_event().build().map_err(no_display)?;
+    let mut app = App {
+        state: State::new(scene, arguments.scene.clone()),
+        window: None,
+        error: None,
+        modifiers: ModifiersState::default(),
+        last_turn: None,
+        saved: None,
+        proxy: arguments.watch.then(|| events.create_proxy()),
+        watch: None,
+        reload_at: None,
+        frames: 0,
+    };
+    app.watch();
+    events.run_app(&mut app).map_err(no_display)?;
+    app.error.map_or(Ok(()), Err)
+}
+
+/// The scene's file changed on the disk.
+#[derive(Debug)]
+struct Changed;
+
+/// The window and what is in it.
+struct Shown {
+    // The order matters: OpenGL objects go before the context.
+    overlay: Overlay,
+    screen: Screen,
+    gl: GlWindow,
+    title: String,
+}
+
+impl Shown {
+    fn new(events: &ActiveEventLoop) -> Result<Self> {
+        let gl = GlWindow::new(events, "freeform")?;
+        let overlay = Overlay::new(events, gl.gl(), gl.window())?;
+        Ok(Self { overlay, screen: Screen::new(gl.gl())?, gl, title: String::new() })
+    }
+}
+
+struct App {
+    state: State,
+    window: Option<Shown>,
+    /// Why there is no window.
+    error: Option<Error>,
+    modifiers: ModifiersState,
+    /// When the turntable turned last.
+    last_turn: Option<Instant>,
+    /// Where the scene was saved to.
+    saved: Option<PathBuf>,
+    /// Takes word of changed files, if they are watched.
+    proxy: Option<EventLoopProxy<Changed>>,
+    watch: Option<Watch>,
+    /// When the changed file is to be read.
+    reload_at: Option<Instant>,
+    frames: u64,
+}
+
+impl ApplicationHandler<Changed> for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.window.is_some() {
+            return;
+        }
+        match Shown::new(events) {
+            Ok(shown) => {
+                let size = shown.gl.window().inner_size();
+                self.state.resize(size.width, size.height);
+                shown.gl.window().request_redraw();
+                self.window = Some(shown);
+            }
+            Err(error) => {
+                self.error = Some(error);
+                events.exit();
+            }
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            if self.reload_at.take_if(|then| *then <= Instant::now()).is_some() {
+                self.reload();
+            }
+            self.redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::RedrawRequested => self.draw(events),
+            WindowEvent::Resized(size) => {
+                if let Some(shown) = &self.window {
+                    shown.gl.resize();
+                }
+                self.state.resize(size.width, size.height);
+                self.hand_on(&event);
+            }
+            WindowEvent::DroppedFile(path) => {
+                self.open(&path);
+                self.redraw();
+            }
+            WindowEvent::KeyboardInput { event: ref key, is_synthetic, .. } => {
+                if self.window.as_ref().is_some_and(|shown| shown.overlay.wants_keys()) {
+                    self.state.note_press();
+                    self.hand_on(&event);
+                } else if key.state == ElementState::Pressed && !is_synthetic {
+                    let action = input::chord(&key.logical_key, self.modifiers)
+                        .and_then(Action::of)
+                        .filter(|action| !key.repeat || action.repeats());
+                    if let Some(action) = action {
+                        self.act(events, action);
+                    }
+                }
+            }
+            WindowEvent::ModifiersChanged(modifiers) => {
+                self.modifiers = modifiers.state();
+                self.hand_on(&event);
+            }
+            WindowEvent::CursorMoved { .. }
+            | WindowEvent::CursorLeft { .. }
+            | WindowEvent::MouseInput { .. }
+            | WindowEvent::MouseWheel { .. } => self.mouse(&event),
+            WindowEvent::Destroyed | WindowEvent::Moved(_) => {}
+            _ => self.hand_on(&event),
+        }
+    }
+
+    fn user_event(&mut self, events: &ActiveEventLoop, _: Changed) {
+        let then = Instant::now() + REST;
+        self.reload_at = Some(then);
+        events.set_control_flow(ControlFlow::WaitUntil(then));
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        // While the window system is still there.
+        self.window = None;
+    }
+}
+
+impl App {
+    fn redraw(&self) {
+        if let Some(shown) = &self.window {
+            shown.gl.window().request_redraw();
+        }
+    }
+
+    /// An event that the panel may want to show something of.
+    fn hand_on(&mut self, event: &WindowEvent) {
+        if let Some(shown) = &mut self.window {
+            shown.overlay.take(shown.gl.window(), event);
+            shown.gl.window().request_redraw();
+        }
+    }
+
+    fn act(&mut self, events: &ActiveEventLoop, action: Action) {
+        self.state.note_press();
+        match self.state.apply(action) {
+            None => {}
+            Some(Request::Quit) => events.exit(),
+            Some(Request::NextScene) => self.open_next(),
+            Some(Request::Screenshot) => self.screenshot(),
+            Some(Request::Save) => self.save(),
+        }
+        self.redraw();
+    }
+
+    /// The mouse is the panel's where that is, and otherwise the picture's.
+    fn mouse(&mut self, event: &WindowEvent) {
+        let Some(shown) = &mut self.window else { return };
+        let place = match event {
+            WindowEvent::CursorMoved { position, .. } => dvec2(position.x, position.y),
+            _ => self.state.pointer.place(),
+        };
+        let (over, show) = shown.overlay.is_over(place.x, place.y);
+        shown.overlay.take(shown.gl.window(), event);
+        let for_panel = over && !self.state.pointer.is_busy();
+        let changed = match *event {
+            WindowEvent::CursorMoved { .. } => self.state.move_to(place, !for_panel),
+            WindowEvent::CursorLeft { .. } => self.state.leave(),
+            WindowEvent::MouseInput { state, button, .. } => {
+                match (input::button(button), state) {
+                    (Some(button), ElementState::Pressed) if !for_panel => {
+                        self.state.press_button(button, self.modifiers.shift_key());
+                    }
+                    (Some(_), ElementState::Released) => self.state.release_button(),
+                    _ => self.state.note_press(),
+                }
+                true
+            }
+            WindowEvent::MouseWheel { delta, .. } if !for_panel => {
+                self.state.turn_wheel(input::wheel_steps(delta));
+                true
+            }
+            _ => false,
+        };
+        if changed || show {
+            shown.gl.window().request_redraw();
+        }
+    }
+
+    /// Shows another scene; one that cannot be read leaves this one.
+    fn open(&mut self, path: &Path) -> bool {
+        let loaded = Scene::load(path);
+        match self.state.report(loaded) {
+            Some(scene) => {
+                self.state.open(scene, Some(path.to_owned()));
+                self.saved = None;
+                self.watch();
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Shows the next scene of the folder that can be read.
+    fn open_next(&mut self) {
+        let next = files::next_scenes(self.state.file().map(PathBuf::as_path));
+        for path in self.state.report(next).unwrap_or_default() {
+            if self.open(&path) {
+                return;
+            }
+        }
+    }
+
+    /// Watches the scene's file, if that was asked for.
+    fn watch(&mut self) {
+        self.watch = None;
+        if let (Some(proxy), Some(file)) = (&self.proxy, self.state.file()) {
+            let proxy = proxy.clone();
+            // Without a loop there is nobody to be told.
+            let watch = Watch::new(file, move || drop(proxy.send_event(Changed)));
+            self.watch = self.state.report(watch);
+        }
+    }
+
+    /// Reads the scene's file again; one that cannot be read leaves the scene as it was.
+    fn reload(&mut self) {
+        let Some(loaded) = self.state.file().map(|path| Scene::load(path)) else { return };
+        if let Some(scene) = self.state.report(loaded) {
+            self.state.reload(scene);
+        }
+    }
+
+    /// Writes the scene beside its file: to a new name first, then to the same again.
+    fn save(&mut self) {
+        let file = self.state.file().map(PathBuf::as_path);
+        let new = self.saved.is_none();
+        let path = match &self.saved {
+            Some(path) => Ok(path.clone()),
+            None => files::new_file(file, "edited-", "toml"),
+        };
+        let written = path.and_then(|path| {
+            write_scene(&self.state.saved_scene(), &path).inspect_err(|_| {
+                if new {
+                    // Nothing but the name was taken.
+                    let _ = std::fs::remove_file(&path);
+                }
+            })?;
+            Ok(path)
+        });
+        if let Some(path) = self.state.report(written) {
+            self.state.message = Some(Message::Done(format!("wrote {}", path.display())));
+            self.saved = Some(path);
+        }
+    }
+
+    fn screenshot(&mut self) {
+        let Some(shown) = &mut self.window else { return };
+        let changes = self.state.take_changes();
+        let written = shown.screen.draw(&self.state, &changes).and_then(|()| {
+            let image = shown.screen.picture(&self.state)?;
+            let path = files::new_file(self.state.file().map(PathBuf::as_path), "", "png")?;
+            Output::File(path.clone()).write(&image).inspect_err(|_| {
+                // Nothing but the name was taken.
+                let _ = std::fs::remove_file(&path);
+            })?;
+            Ok(path)
+        });
+        if let Some(path) = self.state.report(written) {
+            self.state.message = Some(Message::Done(format!("wrote {}", path.display())));
+        }
+    }
+
+    fn draw(&mut self, events: &ActiveEventLoop) {
+        self.turn();
+        let Some(shown) = &mut self.window else { return };
+        let size = shown.gl.window().inner_size();
+        if size.width == 0 || size.height == 0 {
+            return;
+        }
+        let start = Instant::now();
+        let changes = self.state.take_changes();
+        if changes.picture {
+            shown.gl.reset();
+            let drawn = shown.screen.draw(&self.state, &changes);
+            self.state.report(drawn);
+        }
+        shown.gl.begin();
+        shown.screen.show();
+        let (figures, ms) = (shown.screen.figures(), shown.screen.ms());
+        let again = shown.overlay.paint(shown.gl.window(), |context| {
+            panel::show(context, &mut self.state, &figures, ms)
+        });
+        let swapped = shown.gl.swap();
+        self.state.report(swapped);
+        let title = self.state.title(&figures, ms);
+        if title != shown.title {
+            shown.gl.window().set_title(&title);
+            shown.title = title;
+        }
+        self.frames += 1;
+        log::debug!(
+            "frame {}: {} in {:.1} ms",
+            self.frames,
+            if changes.picture { "picture" } else { "panel" },
+            start.elapsed().as_secs_f64() * 1e3,
+        );
+        for error in shown.gl.take_errors() {
+            log::error!("OpenGL: {error}");
+            self.state.message = Some(Message::Error(format!("OpenGL: {error}")));
+        }
+        self.wait(events, again);
+    }
+
+    /// Turns the turntable on by the time since the last frame.
+    fn turn(&mut self) {
+        let now = Instant::now();
+        let last = self.last_turn.replace(now).filter(|_| self.state.turntable);
+        if let Some(last) = last {
+            // A frame that was long in coming turns no further than a step.
+            self.state.advance((now - last).as_secs_f64().min(0.1));
+        }
+    }
+
+    /// Waits for events, or for the time of the next frame.
+    fn wait(&self, events: &ActiveEventLoop, again: Duration) {
+        if self.state.turntable || self.state.changed() || again.is_zero() {
+            self.redraw();
+        }
+        let frame_at = Instant::now().checked_add(again).filter(|_| !again.is_zero());
+        events.set_control_flow(match frame_at.into_iter().chain(self.reload_at).min() {
+            Some(then) => ControlFlow::WaitUntil(then),
+            None => ControlFlow::Wait,
+        });
+    }
+}
+
+/// Writes a scene and what must stand beside it.
+fn write_scene(scene: &Scene, path: &Path) -> Result<()> {
+    let written = scene.to_toml(path)?;
+    let text = (path.to_owned(), written.text.into_bytes());
+    for (path, bytes) in written.files.into_iter().chain([text]) {
+        replace(&path, |file| file.write_all(&bytes)).map_err(|error| Error::File {
+            action: "write",
+            path,
+            reason: error.to_string(),
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,117 @@
+//! Files beside a scene: the next one, and names that are not taken.
+
+use std::fs::File;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use freeform_surface::{Error, Result};
+
+/// Whether a file may be a scene, by its name.
+fn is_scene(path: &Path) -> bool {
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    matches!(extension.as_deref(), Some("toml" | "bpt" | "obj"))
+}
+
+/// The scenes of a folder in the order of their names.
+fn scenes_in(folder: &Path) -> Result<Vec<PathBuf>> {
+    let fail = |error: std::io::Error| Error::File {
+        action: "read the folder",
+        path: folder.to_owned(),
+        reason: error.to_string(),
+    };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut scenes = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fail)? {
+        let path = entry.map_err(fail)?.path();
+        if is_scene(&path) && path.is_file() {
+            scenes.push(path);
+        }
+    }
+    scenes.sort();
+    Ok(scenes)
+}
+
+/// The scenes of the file's folder that follow it, one after the other, up to the file itself.
+///
+/// # Errors
+/// A folder that cannot be read, or without another scene.
+pub(crate) fn next_scenes(file: Option<&Path>) -> Result<Vec<PathBuf>> {
+    let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
+    let mut scenes = scenes_in(folder)?;
+    let name = file.and_then(Path::file_name);
+    if let Some(own) = scenes.iter().position(|scene| scene.file_name() == name) {
+        scenes.rotate_left(own);
+        scenes.remove(0);
+    }
+    if scenes.is_empty() {
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+        return Err(Error::invalid(
+            format!("folder {}", folder.display()),
+            "without another scene",
+            "a .toml, .bpt or .obj file",
+        ));
+    }
+    Ok(scenes)
+}
+
+/// Makes an empty file beside the scene that was not there before: its name, what is added, a number if it
+/// must, and the extension.
+///
+/// # Errors
+/// A folder that cannot be written to.
+pub(crate) fn new_file(scene: Option<&Path>, added: &str, extension: &str) -> Result<PathBuf> {
+    let scene = scene.unwrap_or(Path::new("freeform"));
+    let stem = scene.file_stem().unwrap_or(scene.as_os_str()).to_string_lossy();
+    let mut number = 1_u64;
+    loop {
+        let path = scene.with_file_name(format!("{stem}-{added}{number:03}.{extension}"));
+        match File::create_new(&path) {
+            Ok(_) => return Ok(path),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
+            Err(error) => {
+                return Err(Error::File { action: "write", path, reason: error.to_string() });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_follow_one_another_in_a_circle() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in ["b.toml", "a.bpt", "c.OBJ", "d.png", "e"] {
+            std::fs::write(path(name), "x").unwrap();
+        }
+        std::fs::create_dir(path("f.toml")).unwrap();
+        let next = next_scenes(Some(&path("b.toml"))).unwrap();
+        assert_eq!(next, [path("c.OBJ"), path("a.bpt")]);
+        // A file that is gone has all the others.
+        assert_eq!(next_scenes(Some(&path("gone.toml"))).unwrap().len(), 3);
+        let alone = tempfile::tempdir().unwrap();
+        let own = alone.path().join("a.toml");
+        std::fs::write(&own, "x").unwrap();
+        assert!(next_scenes(Some(&own)).unwrap_err().to_string().contains("another scene"));
+        assert!(next_scenes(Some(&alone.path().join("no/a.toml"))).is_err());
+    }
+
+    #[test]
+    fn names_that_are_taken_stay_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let scene = folder.path().join("my scene.toml");
+        std::fs::write(folder.path().join("my scene-001.png"), "old").unwrap();
+        let path = new_file(Some(&scene), "", "png").unwrap();
+        assert_eq!(path, folder.path().join("my scene-002.png"));
+        assert_eq!(
+            new_file(Some(&scene), "", "png").unwrap(),
+            path.with_file_name("my scene-003.png")
+        );
+        let old = std::fs::read_to_string(folder.path().join("my scene-001.png")).unwrap();
+        assert_eq!(old, "old");
+        let gone = folder.path().join("no/a.toml");
+        assert!(new_file(Some(&gone), "", "png").unwrap_err().to_string().contains("no/a-001.png"));
+    }
+}

@@ -1,0 +1,97 @@
+//! egui over the picture: its input, its frames, and when it wants the next one.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::{Context, Pos2, Rect, ViewportId};
+use egui_glow::Painter;
+use freeform_surface::{Error, Result};
+use winit::event::WindowEvent;
+use winit::event_loop::ActiveEventLoop;
+use winit::window::Window;
+
+/// egui in a window.
+pub(super) struct Overlay {
+    context: Context,
+    input: egui_winit::State,
+    painter: Painter,
+    /// What it covered when it was last painted.
+    covered: Vec<Rect>,
+    /// Whether the mouse was there when that was asked last.
+    over: bool,
+}
+
+impl Overlay {
+    pub(super) fn new(
+        events: &ActiveEventLoop,
+        gl: &Arc<glow::Context>,
+        window: &Window,
+    ) -> Result<Self> {
+        let painter = Painter::new(Arc::clone(gl), "", None, false).map_err(|error| {
+            Error::Driver { what: "the panel".into(), reason: error.to_string() }
+        })?;
+        let context = Context::default();
+        // Its own zoom keys are the tolerance's.
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        let input = egui_winit::State::new(
+            context.clone(),
+            ViewportId::ROOT,
+            events,
+            Some(window.scale_factor() as f32),
+            window.theme(),
+            Some(painter.max_texture_side()),
+        );
+        Ok(Self { context, input, painter, covered: Vec::new(), over: false })
+    }
+
+    /// Hands an event on.
+    pub(super) fn take(&mut self, window: &Window, event: &WindowEvent) {
+        let _ = self.input.on_window_event(window, event);
+    }
+
+    /// Whether keys are for a field of the panel that is being written in.
+    pub(super) fn wants_keys(&self) -> bool {
+        self.context.egui_wants_keyboard_input()
+    }
+
+    /// Whether the mouse at this pixel is for the panel, and whether that, or that it was so before,
+    /// is to be shown.
+    pub(super) fn is_over(&mut self, x: f64, y: f64) -> (bool, bool) {
+        let scale = self.context.pixels_per_point();
+        let place = Pos2::new(x as f32 / scale, y as f32 / scale);
+        let over = self.covered.iter().any(|rect| rect.contains(place))
+            || egui::Popup::is_any_open(&self.context)
+            || self.context.egui_is_using_pointer();
+        (over, std::mem::replace(&mut self.over, over) || over)
+    }
+
+    /// Paints what `show` lays out, which returns what it covers. Tells when it wants to be painted
+    /// again by itself.
+    pub(super) fn paint(
+        &mut self,
+        window: &Window,
+        mut show: impl FnMut(&Context) -> Vec<Rect>,
+    ) -> Duration {
+        let input = self.input.take_egui_input(window);
+        let mut covered = Vec::new();
+        let mut output = self.context.run_ui(input, |ui| covered = show(ui.ctx()));
+        self.covered = covered;
+        self.input.handle_platform_output(window, output.platform_output);
+        let size = window.inner_size();
+        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
+        self.painter.paint_and_update_textures(
+            [size.width.max(1), size.height.max(1)],
+            output.pixels_per_point,
+            &shapes,
+            &mut output.textures_delta,
+        );
+        let root = output.viewport_output.get(&ViewportId::ROOT);
+        root.map_or(Duration::MAX, |viewport| viewport.repaint_delay)
+    }
+}
+
+impl Drop for Overlay {
+    fn drop(&mut self) {
+        self.painter.destroy();
+    }
+}

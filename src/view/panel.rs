@@ -1,0 +1,299 @@
+//! What lies over the picture: the panel, the help, the last message and the control point under the
+//! cursor.
+
+use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
+use freeform_surface::{
+    FrameFigures, Method, Newton, Paint, TessLevel, Tessellation, Tolerance, Trims,
+};
+use glam::DVec2;
+
+use super::pick::{PICK_PX, on_screen, world_point};
+use super::state::{Message, Overlay, State};
+use super::undo::Part;
+use super::{action, inset};
+
+/// The blue of control points, lighter.
+const HIGHLIGHT: Color32 = Color32::from_rgb(255, 220, 80);
+const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
+
+/// Lays everything out; returns what takes the mouse.
+pub(super) fn show(
+    context: &Context,
+    state: &mut State,
+    figures: &FrameFigures,
+    ms: f64,
+) -> Vec<egui::Rect> {
+    let mut covered = Vec::new();
+    let height = (context.content_rect().height() - 60.0).max(40.0);
+    highlight(context, state);
+    if state.overlay != Overlay::Nothing {
+        let window = egui::Window::new("freeform")
+            .anchor(Align2::RIGHT_TOP, [-8.0, 8.0])
+            .default_width(230.0)
+            .resizable(false)
+            .default_height(height)
+            .max_height(height)
+            .vscroll(true);
+        let shown = window.show(context, |ui| contents(ui, state, figures, ms));
+        covered.extend(shown.map(|shown| shown.response.rect));
+    }
+    if state.overlay == Overlay::Help {
+        let window = egui::Window::new("keys and mouse")
+            .anchor(Align2::LEFT_TOP, [8.0, 8.0])
+            .resizable(false)
+            .default_height(height)
+            .max_height(height)
+            .vscroll(true);
+        let shown = window.show(context, help);
+        covered.extend(shown.map(|shown| shown.response.rect));
+    }
+    message(context, state);
+    covered
+}
+
+/// A ring around the control point under the cursor.
+fn highlight(context: &Context, state: &State) {
+    let Some(id) = state.pointer.point() else { return };
+    let Some(point) = world_point(state.scene(), id) else { return };
+    let Some(place) = on_screen(&state.projection(), state.size(), point) else { return };
+    let scale = context.pixels_per_point();
+    let center = egui::pos2(place.x as f32 / scale, place.y as f32 / scale);
+    let painter = context.layer_painter(egui::LayerId::background());
+    painter.circle_stroke(center, PICK_PX as f32 / scale, Stroke::new(2.0, HIGHLIGHT));
+}
+
+/// The last message, at the bottom.
+fn message(context: &Context, state: &State) {
+    let (text, color) = match &state.message {
+        None => return,
+        Some(Message::Done(text)) => (text, Color32::WHITE),
+        Some(Message::Error(text)) => (text, ERROR),
+    };
+    egui::Window::new("message")
+        .title_bar(false)
+        .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
+        .resizable(false)
+        .interactable(false)
+        .show(context, |ui| ui.label(RichText::new(text).color(color)));
+}
+
+fn help(ui: &mut Ui) {
+    // All of it fits a small window.
+    ui.spacing_mut().item_spacing.y = 1.0;
+    egui::Grid::new("bindings").num_columns(2).min_row_height(0.0).show(ui, |ui| {
+        for (keys, help) in action::lines() {
+            ui.label(RichText::new(keys).small().strong());
+            ui.label(RichText::new(help).small());
+            ui.end_row();
+        }
+    });
+}
+
+fn contents(ui: &mut Ui, state: &mut State, figures: &FrameFigures, ms: f64) {
+    figures_grid(ui, figures, ms);
+    ui.separator();
+    method(ui, state);
+    fineness(ui, state);
+    look(ui, state);
+    if state.scene().settings.method == Method::Thesis {
+        newton(ui, state);
+    }
+    if !state.scene().surfaces.is_empty() {
+        ui.separator();
+        surface(ui, state);
+    }
+    ui.separator();
+    ui.small("H or F1: help");
+}
+
+fn figures_grid(ui: &mut Ui, figures: &FrameFigures, ms: f64) {
+    egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
+        let bound = figures.largest_bound.map_or("–".into(), |bound| format!("{bound:.3} px"));
+        for (name, value) in [
+            ("frame", format!("{ms:.1} ms")),
+            ("triangles", figures.triangles.to_string()),
+            ("patches", format!("{} of {}", figures.patches - figures.culled, figures.patches)),
+            ("largest bound", bound),
+        ] {
+            ui.label(name);
+            ui.monospace(value);
+            ui.end_row();
+        }
+    });
+    if let Some(unmet) = figures.unmet {
+        ui.colored_label(ERROR, format!("tolerance not met, up to {unmet:.2} px"));
+    }
+}
+
+fn method(ui: &mut Ui, state: &mut State) {
+    let mut method = state.scene().settings.method;
+    ui.horizontal(|ui| {
+        ui.label("method");
+        ui.selectable_value(&mut method, Method::Exact, "exact");
+        ui.selectable_value(&mut method, Method::Thesis, "thesis");
+    });
+    if method != state.scene().settings.method {
+        let set = state.set_method(method);
+        state.report(set);
+    }
+}
+
+fn fineness(ui: &mut Ui, state: &mut State) {
+    let (level, tolerance) = state.finenesses();
+    let before = state.scene().settings.tessellation;
+    let mut at_level = matches!(before, Tessellation::Level(_));
+    let (mut number, mut pixels) = (level.get(), tolerance.pixels());
+    ui.horizontal(|ui| {
+        ui.selectable_value(&mut at_level, false, "tolerance");
+        ui.selectable_value(&mut at_level, true, "level");
+        if at_level {
+            ui.add(egui::DragValue::new(&mut number).range(1..=TessLevel::MAX.get()));
+        } else {
+            let value = egui::DragValue::new(&mut pixels).range(0.01..=100.0).speed(0.01);
+            ui.add(value.suffix(" px"));
+        }
+    });
+    let chosen = if at_level {
+        TessLevel::new(number.into()).map(Tessellation::Level)
+    } else {
+        Tolerance::new(pixels).map(Tessellation::Within)
+    };
+    if let Some(chosen) = state.report(chosen).filter(|chosen| *chosen != before) {
+        state.set_tessellation(chosen);
+    }
+}
+
+fn look(ui: &mut Ui, state: &mut State) {
+    let mut settings = state.scene().settings;
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut settings.wireframe, "wireframe");
+        ui.add_enabled_ui(settings.wireframe, |ui| ui.checkbox(&mut settings.red_lines, "red"));
+        ui.checkbox(&mut settings.control_points, "points");
+    });
+    ui.horizontal(|ui| {
+        ui.label("background");
+        let [red, green, blue, _] = &mut settings.background;
+        let mut rgb = [*red, *green, *blue];
+        color(ui, &mut rgb);
+        [*red, *green, *blue] = rgb;
+    });
+    if settings != state.scene().settings {
+        state.change_settings(|own| *own = settings);
+    }
+}
+
+/// A button for a colour whose channels are taken as they are, as everywhere here.
+fn color(ui: &mut Ui, rgb: &mut [f32; 3]) -> bool {
+    let mut bytes = rgb.map(|channel| (channel * 255.0).round() as u8);
+    let changed = ui.color_edit_button_srgb(&mut bytes).changed();
+    if changed {
+        *rgb = bytes.map(|byte| f32::from(byte) / 255.0);
+    }
+    changed
+}
+
+fn newton(ui: &mut Ui, state: &mut State) {
+    let own = state.scene().settings.newton;
+    let (mut iterations, mut epsilon) = (own.iterations(), own.epsilon());
+    ui.horizontal(|ui| {
+        ui.label("Newton");
+        ui.add(egui::DragValue::new(&mut iterations).range(1..=Newton::MAX_ITERATIONS));
+        let value = egui::DragValue::new(&mut epsilon).range(1e-9..=1.0).speed(1e-4);
+        ui.add(value.prefix("ε ").max_decimals(9));
+    });
+    let chosen = Newton::new(iterations, epsilon);
+    if let Some(newton) = state.report(chosen).filter(|newton| *newton != own) {
+        state.change_settings(|settings| settings.newton = newton);
+    }
+}
+
+/// One surface: its colour, its trims and their inset.
+fn surface(ui: &mut Ui, state: &mut State) {
+    let count = state.scene().surfaces.len();
+    state.selected = state.selected.min(count - 1);
+    let number = state.selected;
+    ui.horizontal(|ui| {
+        ui.label("surface");
+        if count > 1 {
+            ui.add(egui::DragValue::new(&mut state.selected).range(0..=count - 1));
+        }
+        match &state.scene().surfaces[number].paint {
+            Paint::Color(rgb) => {
+                let mut rgb = *rgb;
+                if color(ui, &mut rgb) {
+                    let edited = state.edit(vec![Part::SurfacePaint(number, Paint::Color(rgb))]);
+                    state.report(edited);
+                }
+            }
+            Paint::Texture(image) => {
+                let (width, height) = image.dimensions();
+                ui.label(format!("picture, {width} × {height}"));
+            }
+        }
+    });
+    let trims = &state.scene().surfaces[number].trims;
+    let mut edited = trims.clone();
+    numbers(ui, &mut edited);
+    if let Some(pulled) = inset::show(ui, trims) {
+        match pulled {
+            Ok(trims) => edited = trims,
+            Err(error) => state.message = Some(Message::Error(error.to_string())),
+        }
+    }
+    if edited != state.scene().surfaces[number].trims {
+        let done = state.edit(vec![Part::Trims(number, Box::new(edited))]);
+        state.report(done);
+    }
+}
+
+/// The numbers of all trims, as far as there are few.
+fn numbers(ui: &mut Ui, trims: &mut Trims) {
+    const MOST: usize = 8;
+    fn number(ui: &mut Ui, value: &mut f64) {
+        ui.add(egui::DragValue::new(value).speed(0.002).max_decimals(4));
+    }
+    fn place(ui: &mut Ui, place: &mut DVec2) {
+        number(ui, &mut place.x);
+        number(ui, &mut place.y);
+    }
+    fn at_least(low: f64, value: &mut f64) {
+        *value = value.max(low);
+    }
+    for circle in trims.circles.iter_mut().take(MOST) {
+        ui.horizontal(|ui| {
+            ui.add_enabled_ui(trims.circles_on, |ui| {
+                ui.label("circle");
+                place(ui, &mut circle.center);
+                number(ui, &mut circle.radius);
+                at_least(0.0, &mut circle.radius);
+            });
+        });
+    }
+    for interval in trims.intervals.iter_mut().take(MOST) {
+        ui.horizontal(|ui| {
+            ui.add_enabled_ui(trims.intervals_on, |ui| {
+                ui.label("interval");
+                place(ui, &mut interval.u);
+                place(ui, &mut interval.v);
+                at_least(interval.u.x, &mut interval.u.y);
+                at_least(interval.v.x, &mut interval.v.y);
+            });
+        });
+    }
+    for ellipse in trims.ellipses.iter_mut().take(MOST) {
+        ui.horizontal(|ui| {
+            ui.add_enabled_ui(trims.ellipses_on, |ui| {
+                ui.label("ellipse");
+                place(ui, &mut ellipse.center);
+                place(ui, &mut ellipse.radii);
+                at_least(0.0, &mut ellipse.radii.x);
+                at_least(0.0, &mut ellipse.radii.y);
+            });
+        });
+    }
+    if !trims.loops.is_empty() {
+        let segments: usize = trims.loops.iter().map(|one| one.segments().len()).sum();
+        let off = if trims.loops_on { "" } else { ", off" };
+        ui.label(format!("{} loops, {segments} segments{off}", trims.loops.len()));
+    }
+}

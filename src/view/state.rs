@@ -1,0 +1,513 @@
+//! What the window shows and what actions make of it, without a window.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use freeform_surface::{
+    Alpha, Camera, Error, FrameFigures, Image, Method, NewtonTrims, Paint, Projection, Result,
+    Scene, Smoothing, TessLevel, Tessellation, Tolerance, Trims,
+};
+use glam::{DVec2, dvec2};
+
+use super::action::Action;
+use super::camera::{self, Mover};
+use super::pick::PointId;
+use super::pointer::Pointer;
+use super::trims::{PutBy, switched};
+use super::undo::{History, Part};
+
+/// The highest level that the keys reach, as in the report.
+const MOST_LEVEL: u32 = 50;
+/// What `+` and `−` go through, in pixels.
+const TOLERANCES: [f64; 13] =
+    [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
+/// A step of turning by keys, in radians.
+const TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
+/// A step of moving by keys, in parts of the picture's height.
+const PAN: f64 = 0.05;
+/// How much nearer a step of zooming brings.
+pub(crate) const ZOOM: f64 = 0.85;
+/// How fast the turntable turns, in radians a second.
+const TURNTABLE: f64 = 0.5;
+
+/// What the window must do itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Request {
+    Quit,
+    Screenshot,
+    Save,
+    NextScene,
+}
+
+/// What lies over the picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Overlay {
+    Panel,
+    Help,
+    Nothing,
+}
+
+/// What changed since the scene was last brought to the driver.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Changes {
+    /// Anything that the picture shows.
+    pub(crate) picture: bool,
+    /// Everything: the scene must be uploaded anew.
+    pub(crate) scene: bool,
+    /// Control points.
+    pub(crate) points: Vec<PointId>,
+    /// Surfaces with other trims.
+    pub(crate) trims: Vec<usize>,
+}
+
+/// A line for the person.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Message {
+    Done(String),
+    Error(String),
+}
+
+/// A scene, where it is seen from, and what can be done to it.
+#[derive(Debug)]
+pub(crate) struct State {
+    scene: Scene,
+    /// Without one the scene is the built-in one.
+    file: Option<PathBuf>,
+    /// The camera that the scene came with.
+    home: Option<Camera>,
+    mover: Mover,
+    /// Pixels of the picture.
+    size: DVec2,
+    level: TessLevel,
+    tolerance: Tolerance,
+    pub(super) pointer: Pointer,
+    history: History,
+    /// The number of the last press of a key or button.
+    press: u64,
+    nested: PutBy,
+    /// What surfaces, then meshes, were painted with before pictures were switched.
+    other_paints: Vec<Paint>,
+    changes: Changes,
+    pub(crate) turntable: bool,
+    /// The surface whose trims the panel shows.
+    pub(crate) selected: usize,
+    pub(crate) overlay: Overlay,
+    pub(crate) message: Option<Message>,
+}
+
+impl State {
+    pub(crate) fn new(scene: Scene, file: Option<PathBuf>) -> Self {
+        let mut state = Self {
+            home: None,
+            mover: Mover::new(scene.up, None),
+            scene,
+            file: None,
+            size: dvec2(1000.0, 600.0),
+            level: TessLevel::default(),
+            tolerance: Tolerance::default(),
+            pointer: Pointer::default(),
+            history: History::default(),
+            press: 0,
+            nested: PutBy::new(),
+            other_paints: Vec::new(),
+            changes: Changes::default(),
+            turntable: false,
+            selected: 0,
+            overlay: Overlay::Panel,
+            message: None,
+        };
+        state.open(state.scene.clone(), file);
+        state
+    }
+
+    /// Shows another scene from the beginning.
+    pub(crate) fn open(&mut self, scene: Scene, file: Option<PathBuf>) {
+        self.home = scene.camera;
+        self.mover = Mover::new(scene.up, scene.camera.as_ref());
+        self.turntable = false;
+        self.selected = 0;
+        self.file = file;
+        self.replace(scene);
+    }
+
+    /// Shows the same scene as its file is now, from where it was seen.
+    pub(crate) fn reload(&mut self, mut scene: Scene) {
+        self.home = scene.camera;
+        scene.camera = self.scene.camera;
+        self.selected = self.selected.min(scene.surfaces.len().saturating_sub(1));
+        self.replace(scene);
+    }
+
+    fn replace(&mut self, scene: Scene) {
+        match scene.settings.tessellation {
+            Tessellation::Level(level) => self.level = level,
+            Tessellation::Within(tolerance) => self.tolerance = tolerance,
+        }
+        self.scene = scene;
+        self.history = History::default();
+        self.nested.clear();
+        self.other_paints.clear();
+        self.pointer.let_go();
+        self.message = None;
+        self.changes = Changes { picture: true, scene: true, ..Changes::default() };
+    }
+
+    pub(crate) const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The scene as a file is to have it: seen from where it is seen now.
+    pub(crate) fn saved_scene(&self) -> Scene {
+        Scene { camera: Some(self.camera()), ..self.scene.clone() }
+    }
+
+    pub(crate) const fn file(&self) -> Option<&PathBuf> {
+        self.file.as_ref()
+    }
+
+    pub(crate) const fn size(&self) -> DVec2 {
+        self.size
+    }
+
+    /// The picture has so many pixels now, at least one.
+    pub(crate) fn resize(&mut self, width: u32, height: u32) {
+        self.size = dvec2(width.max(1).into(), height.max(1).into());
+        self.changes.picture = true;
+    }
+
+    pub(crate) fn aspect(&self) -> f64 {
+        self.size.x / self.size.y
+    }
+
+    /// The camera as it is now.
+    pub(crate) fn camera(&self) -> Camera {
+        self.scene.camera.unwrap_or_else(|| self.scene.framed(self.aspect()))
+    }
+
+    pub(crate) fn projection(&self) -> Projection {
+        self.scene.projection(self.size.x as u32, self.size.y as u32)
+    }
+
+    /// What changed since the last call.
+    pub(crate) fn take_changes(&mut self) -> Changes {
+        std::mem::take(&mut self.changes)
+    }
+
+    pub(crate) const fn changed(&self) -> bool {
+        self.changes.picture
+    }
+
+    /// A key or button was pressed: what it edits can be taken back by itself.
+    pub(crate) const fn note_press(&mut self) {
+        self.press += 1;
+    }
+
+    /// Shows what went wrong, or nothing new.
+    pub(crate) fn report<T>(&mut self, result: Result<T>) -> Option<T> {
+        result.map_err(|error| self.message = Some(Message::Error(error.to_string()))).ok()
+    }
+
+    /// Does what an action asks for; what only the window can do is left to it.
+    pub(crate) fn apply(&mut self, action: Action) -> Option<Request> {
+        self.message = None;
+        let done = match action {
+            Action::Quit => return Some(Request::Quit),
+            Action::Screenshot => return Some(Request::Screenshot),
+            Action::Save => return Some(Request::Save),
+            Action::NextScene => return Some(Request::NextScene),
+            Action::Help => {
+                self.overlay = match self.overlay {
+                    Overlay::Panel => Overlay::Help,
+                    Overlay::Help => Overlay::Nothing,
+                    Overlay::Nothing => Overlay::Panel,
+                };
+                Ok(())
+            }
+            Action::Turntable => {
+                self.turntable = !self.turntable;
+                Ok(())
+            }
+            _ => self.change(action),
+        };
+        self.report(done);
+        None
+    }
+
+    /// Changes the picture.
+    fn change(&mut self, action: Action) -> Result<()> {
+        self.changes.picture = true;
+        if action == Action::ResetCamera {
+            self.scene.camera = self.home;
+            return Ok(());
+        }
+        // A scene that is framed by itself would move with everything that changes.
+        let camera = self.hold_camera();
+        let step = |x: i8, y: i8| dvec2(x.into(), y.into());
+        match action {
+            Action::Finer => self.set_level(1),
+            Action::Coarser => self.set_level(-1),
+            Action::UseTolerance => {
+                self.set_tessellation(Tessellation::Within(self.tolerance));
+                Ok(())
+            }
+            Action::LargerTolerance => self.step_tolerance(true),
+            Action::SmallerTolerance => self.step_tolerance(false),
+            Action::Wireframe => {
+                let settings = &mut self.scene.settings;
+                settings.wireframe = !settings.wireframe;
+                settings.control_points = settings.wireframe;
+                settings.red_lines = settings.wireframe;
+                Ok(())
+            }
+            Action::Trim(kind) => {
+                let mut nested = std::mem::take(&mut self.nested);
+                let parts = switched(&self.scene, kind, self.selected, &mut nested);
+                self.nested = nested;
+                self.edit(parts)
+            }
+            Action::Method => self.set_method(match self.scene.settings.method {
+                Method::Exact => Method::Thesis,
+                Method::Thesis => Method::Exact,
+            }),
+            Action::Texture => self.switch_textures(),
+            Action::Phong => self.switch_smoothing(Smoothing::Phong(Alpha::default())),
+            Action::Pn => self.switch_smoothing(Smoothing::Pn),
+            Action::Fit => self.look(Ok(self.scene.fitted(&camera, self.aspect()))),
+            Action::LookFrom(side) => self.look(self.mover.look_from(&camera, side)),
+            Action::Orthographic => {
+                let other = self.mover.other_lens(&camera);
+                self.look(other)
+            }
+            Action::Turn(x, y) => self.look(self.mover.turn(&camera, step(x, y) * TURN)),
+            Action::Pan(x, y) => self.look(camera::pan(&camera, step(x, y) * PAN)),
+            Action::Zoom(steps) => {
+                self.look(camera::zoom(&camera, ZOOM.powi(steps.into()), DVec2::ZERO))
+            }
+            Action::Undo | Action::Redo => {
+                self.step_history(action == Action::Undo);
+                Ok(())
+            }
+            Action::ResetCamera
+            | Action::Turntable
+            | Action::NextScene
+            | Action::Screenshot
+            | Action::Save
+            | Action::Help
+            | Action::Quit => Ok(()),
+        }
+    }
+
+    /// Keeps the camera as it is now, whatever becomes of the scene.
+    pub(super) fn hold_camera(&mut self) -> Camera {
+        let camera = self.camera();
+        self.scene.camera = Some(camera);
+        camera
+    }
+
+    pub(super) fn look(&mut self, camera: Result<Camera>) -> Result<()> {
+        self.scene.camera = Some(camera?);
+        self.changes.picture = true;
+        Ok(())
+    }
+
+    pub(super) const fn mover(&self) -> &Mover {
+        &self.mover
+    }
+
+    /// Turns the turntable on by so much time.
+    pub(crate) fn advance(&mut self, seconds: f64) {
+        if self.turntable {
+            let camera = self.hold_camera();
+            let by = dvec2(seconds * TURNTABLE, 0.0);
+            let turned = self.mover.turn(&camera, by);
+            let looked = self.look(turned);
+            self.report(looked);
+        }
+    }
+
+    fn set_level(&mut self, step: i64) -> Result<()> {
+        let level = i64::from(self.level.get()) + step;
+        // A scene's own level may be higher; the keys only come down from there.
+        if (1..=i64::from(MOST_LEVEL.max(self.level.get()))).contains(&level) {
+            self.level = TessLevel::new(level)?;
+        }
+        self.set_tessellation(Tessellation::Level(self.level));
+        Ok(())
+    }
+
+    fn step_tolerance(&mut self, larger: bool) -> Result<()> {
+        let now = self.tolerance.pixels();
+        let next = if larger {
+            TOLERANCES.iter().find(|other| **other > now)
+        } else {
+            TOLERANCES.iter().rfind(|other| **other < now)
+        };
+        let tolerance = next.map_or(Ok(self.tolerance), |pixels| Tolerance::new(*pixels))?;
+        self.set_tessellation(Tessellation::Within(tolerance));
+        Ok(())
+    }
+
+    /// Chooses how finely patches are cut.
+    pub(crate) fn set_tessellation(&mut self, tessellation: Tessellation) {
+        match tessellation {
+            Tessellation::Level(level) => self.level = level,
+            Tessellation::Within(tolerance) => self.tolerance = tolerance,
+        }
+        self.scene.settings.tessellation = tessellation;
+        self.changes.picture = true;
+    }
+
+    /// The level and the tolerance that were chosen last, one of which holds.
+    pub(crate) const fn finenesses(&self) -> (TessLevel, Tolerance) {
+        (self.level, self.tolerance)
+    }
+
+    /// Chooses whose trims and normals are drawn.
+    ///
+    /// # Errors
+    /// Trims that the thesis' method cannot cut.
+    pub(crate) fn set_method(&mut self, method: Method) -> Result<()> {
+        if method == Method::Thesis {
+            for (number, surface) in self.scene.surfaces.iter().enumerate() {
+                check_for_thesis(&surface.trims)
+                    .map_err(|error| error.within(format!("surface {number}")))?;
+            }
+        }
+        self.scene.settings.method = method;
+        self.changes.picture = true;
+        Ok(())
+    }
+
+    /// Changes settings that need no check.
+    pub(crate) fn change_settings(
+        &mut self,
+        change: impl FnOnce(&mut freeform_surface::RenderSettings),
+    ) {
+        self.hold_camera();
+        change(&mut self.scene.settings);
+        self.changes.picture = true;
+    }
+
+    /// Puts parts into the scene, so that they can be taken back.
+    ///
+    /// # Errors
+    /// Trims that the thesis' method cannot cut, while that is drawn.
+    pub(crate) fn edit(&mut self, parts: Vec<Part>) -> Result<()> {
+        if self.scene.settings.method == Method::Thesis {
+            for part in &parts {
+                if let Part::Trims(_, trims) = part {
+                    check_for_thesis(trims)?;
+                }
+            }
+        }
+        self.hold_camera();
+        note(&mut self.changes, &parts);
+        self.history.edit(&mut self.scene, parts, self.press);
+        Ok(())
+    }
+
+    fn step_history(&mut self, back: bool) {
+        let Self { history, scene, changes, .. } = self;
+        let parts = if back { history.undo(scene) } else { history.redo(scene) };
+        note(changes, parts.unwrap_or_default());
+        let unfit = |scene: &Scene| {
+            scene.surfaces.iter().any(|surface| check_for_thesis(&surface.trims).is_err())
+        };
+        // Loops of a time when the other method was drawn.
+        if scene.settings.method == Method::Thesis && unfit(scene) {
+            scene.settings.method = Method::Exact;
+        }
+    }
+
+    /// Takes all pictures off, or lays them on again; bricks where there were none.
+    fn switch_textures(&mut self) -> Result<()> {
+        let surfaces = self.scene.surfaces.iter().map(|surface| &surface.paint);
+        let meshes = self.scene.meshes.iter().map(|mesh| &mesh.paint);
+        let paints: Vec<Paint> = surfaces.chain(meshes).cloned().collect();
+        let is_picture = |paint: &Paint| matches!(paint, Paint::Texture(_));
+        let off = paints.iter().any(is_picture);
+        // What is not there yet is grey or bricks.
+        let fallback = match self.other_paints.iter().any(is_picture) {
+            _ if off => Some(Paint::default()),
+            true => None,
+            false => Some(Paint::Texture(bricks())),
+        };
+        let mut parts = Vec::new();
+        for (number, paint) in paints.iter().enumerate() {
+            let other = self.other_paints.get(number).filter(|other| is_picture(other) != off);
+            let Some(other) = other.or(fallback.as_ref()) else { continue };
+            if is_picture(paint) == off {
+                let surfaces = self.scene.surfaces.len();
+                parts.push(match number.checked_sub(surfaces) {
+                    None => Part::SurfacePaint(number, other.clone()),
+                    Some(mesh) => Part::MeshPaint(mesh, other.clone()),
+                });
+            }
+        }
+        self.other_paints = paints;
+        self.edit(parts)
+    }
+
+    /// Smooths all meshes this way, or no longer.
+    fn switch_smoothing(&mut self, smoothing: Smoothing) -> Result<()> {
+        if self.scene.meshes.is_empty() {
+            return Err(Error::invalid(
+                "scene",
+                "without a mesh",
+                "one with a [[mesh]], or an .obj file",
+            ));
+        }
+        let on = |other| std::mem::discriminant(&other) == std::mem::discriminant(&smoothing);
+        let smoothing = if self.scene.meshes.iter().all(|mesh| on(mesh.smoothing())) {
+            Smoothing::None
+        } else {
+            smoothing
+        };
+        for mesh in &mut self.scene.meshes {
+            mesh.set_smoothing(smoothing);
+        }
+        self.changes.scene = true;
+        Ok(())
+    }
+
+    /// The window's title.
+    pub(crate) fn title(&self, figures: &FrameFigures, ms: f64) -> String {
+        let file = self.file.as_ref().and_then(|file| file.file_name());
+        let name = file.map_or("freeform".into(), |name| name.to_string_lossy());
+        let fineness = match self.scene.settings.tessellation {
+            Tessellation::Level(level) => format!("level {}", level.get()),
+            Tessellation::Within(_) if self.scene.settings.method == Method::Thesis => {
+                format!("level {}", TessLevel::default().get())
+            }
+            Tessellation::Within(tolerance) => format!("tolerance {} px", tolerance.pixels()),
+        };
+        format!("{name} · {fineness} · {} triangles · {ms:.1} ms", figures.triangles)
+    }
+}
+
+/// The picture of bricks that the built-in scene has.
+fn bricks() -> Arc<Image> {
+    match Scene::listing16().surfaces.swap_remove(0).paint {
+        Paint::Texture(image) => image,
+        Paint::Color(_) => unreachable!("the built-in scene has a picture"),
+    }
+}
+
+fn check_for_thesis(trims: &Trims) -> Result<()> {
+    NewtonTrims::of(trims).map(drop)
+}
+
+/// Notes what parts change.
+fn note(changes: &mut Changes, parts: &[Part]) {
+    changes.picture = true;
+    for part in parts {
+        match part {
+            Part::Point(id, _) => changes.points.push(*id),
+            Part::Trims(surface, _) => changes.trims.push(*surface),
+            Part::SurfacePaint(..) | Part::MeshPaint(..) => changes.scene = true,
+        }
+    }
+}
+
+#[cfg(test)]
+pub(in crate::view) mod tests;

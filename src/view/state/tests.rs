@@ -1,0 +1,298 @@
+//! What actions and the mouse make of a scene, without a window.
+
+use freeform_surface::{Keep, Shading};
+use glam::Vec3Swizzles as _;
+
+use super::super::action::{BINDINGS, Binding, Side, TrimKind};
+use super::super::pick::{on_screen, world_point};
+use super::super::pointer::Button;
+use super::*;
+
+fn state() -> State {
+    State::new(Scene::listing16(), None)
+}
+
+fn mesh() -> Scene {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/meshes/cube.obj");
+    Scene::load(path.as_ref()).unwrap()
+}
+
+fn press(state: &mut State, actions: &[Action]) {
+    for action in actions {
+        state.note_press();
+        assert_eq!(state.apply(*action), None, "{action:?}");
+        assert_eq!(state.message, None, "{action:?}");
+    }
+}
+
+#[test]
+fn levels_go_from_1_to_50_and_t_brings_the_tolerance_back() {
+    let mut state = state();
+    let level = |state: &State| match state.scene.settings.tessellation {
+        Tessellation::Level(level) => level.get(),
+        Tessellation::Within(_) => 0,
+    };
+    press(&mut state, &[Action::Finer]);
+    assert_eq!(level(&state), 33);
+    press(&mut state, &[Action::Finer; 60]);
+    assert_eq!(level(&state), 50);
+    press(&mut state, &[Action::Coarser; 60]);
+    assert_eq!(level(&state), 1);
+    press(&mut state, &[Action::LargerTolerance]);
+    assert_eq!(
+        state.scene.settings.tessellation,
+        Tessellation::Within(Tolerance::new(1.0).unwrap())
+    );
+    press(&mut state, &[Action::Finer, Action::UseTolerance]);
+    assert_eq!(
+        state.scene.settings.tessellation,
+        Tessellation::Within(Tolerance::new(1.0).unwrap())
+    );
+    press(&mut state, &[Action::SmallerTolerance; 30]);
+    assert_eq!(state.finenesses().1.pixels(), 0.01);
+    // A scene's own level may be higher.
+    let mut scene = Scene::listing16();
+    scene.settings.tessellation = Tessellation::Level(TessLevel::MAX);
+    let mut state = State::new(scene, None);
+    press(&mut state, &[Action::Finer]);
+    assert_eq!(level(&state), 64);
+    press(&mut state, &[Action::Coarser]);
+    assert_eq!(level(&state), 63);
+}
+
+#[test]
+fn every_action_of_the_table_does_something() {
+    for binding in BINDINGS {
+        for (chord, action) in binding.keys_and_actions() {
+            let on_mesh = matches!(action, Action::Phong | Action::Pn);
+            let mut state = State::new(if on_mesh { mesh() } else { Scene::listing16() }, None);
+            // Something to take back, and a camera to bring back.
+            press(&mut state, &[Action::Turn(1, 1), Action::Trim(TrimKind::Interval)]);
+            if *action == Action::Redo {
+                press(&mut state, &[Action::Undo]);
+            }
+            let (scene, overlay, turntable) = (state.scene.clone(), state.overlay, state.turntable);
+            let request = state.apply(*action);
+            let same_here = state.overlay == overlay && state.turntable == turntable;
+            let tolerance = *action == Action::UseTolerance;
+            assert!(
+                request.is_some() || !same_here || state.scene != scene || tolerance,
+                "{chord} does nothing"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_an_action_changes_is_told() {
+    let mut state = state();
+    assert!(state.take_changes().scene);
+    assert_eq!(state.take_changes(), Changes::default());
+    press(&mut state, &[Action::Turn(1, 0)]);
+    assert_eq!(state.take_changes(), Changes { picture: true, ..Changes::default() });
+    press(&mut state, &[Action::Trim(TrimKind::Circle)]);
+    let changes = state.take_changes();
+    assert_eq!((changes.scene, changes.trims), (false, vec![0]));
+    press(&mut state, &[Action::Help]);
+    assert_eq!(state.take_changes(), Changes::default(), "help leaves the picture");
+}
+
+#[test]
+fn a_drag_moves_one_point_and_is_taken_back_at_once() {
+    let mut state = state();
+    let start = state.scene.control_points();
+    let at = |state: &State, index| {
+        let id = PointId { surface: 0, index };
+        let point = world_point(&state.scene, id).unwrap();
+        on_screen(&state.projection(), state.size, point).unwrap().xy()
+    };
+    let from = at(&state, 5);
+    assert!(state.move_to(from + 3.0, true), "the point is highlighted");
+    state.take_changes();
+    state.press_button(Button::Left, false);
+    for step in 1..=20 {
+        let to = from + dvec2(3.0, -2.0) * f64::from(step);
+        state.move_to(to, true);
+        assert!(at(&state, 5).distance(to) < 1e-6);
+        let id = PointId { surface: 0, index: 5 };
+        let only = Changes { picture: true, points: vec![id], ..Changes::default() };
+        assert_eq!(state.take_changes(), only);
+    }
+    state.release_button();
+    for (index, (before, after)) in std::iter::zip(&start, state.scene.control_points()).enumerate()
+    {
+        assert_eq!(*before != after, index == 5);
+    }
+    press(&mut state, &[Action::Undo]);
+    assert_eq!(state.scene.control_points(), start);
+    press(&mut state, &[Action::Redo]);
+    assert!(at(&state, 5).distance(from + dvec2(60.0, -40.0)) < 1e-6);
+}
+
+trait ControlPoints {
+    fn control_points(&self) -> Vec<glam::DVec4>;
+}
+
+impl ControlPoints for Scene {
+    fn control_points(&self) -> Vec<glam::DVec4> {
+        self.surfaces[0].control_points().to_vec()
+    }
+}
+
+#[test]
+fn the_mouse_turns_moves_and_zooms() {
+    let mut state = state();
+    let start = state.camera();
+    let drag = |state: &mut State, button, shift| {
+        state.apply(Action::ResetCamera);
+        state.move_to(dvec2(5.0, 5.0), true);
+        state.press_button(button, shift);
+        state.move_to(dvec2(105.0, 55.0), true);
+        state.release_button();
+        state.camera()
+    };
+    let turned = drag(&mut state, Button::Left, false);
+    assert_eq!(turned.target(), start.target());
+    assert!(turned.eye().distance(start.eye()) > 0.1 && turned.eye().y > start.eye().y);
+    for (button, shift) in [(Button::Left, true), (Button::Middle, false)] {
+        let moved = drag(&mut state, button, shift);
+        let by = moved.target() - start.target();
+        assert!(by.length() > 0.01 && (moved.eye() - start.eye()).distance(by) < 1e-9);
+    }
+    let zoomed = drag(&mut state, Button::Right, false);
+    assert!(zoomed.eye().distance(zoomed.target()) > start.eye().distance(start.target()));
+    state.apply(Action::ResetCamera);
+    state.turn_wheel(2.0);
+    let near = state.camera();
+    assert!(near.eye().distance(near.target()) < start.eye().distance(start.target()));
+    // What was there comes back, for any size of the picture.
+    state.apply(Action::ResetCamera);
+    assert_eq!(state.camera(), start);
+    state.resize(300, 600);
+    assert_eq!(state.camera(), Scene::listing16().framed(0.5));
+}
+
+#[test]
+fn the_thesis_refuses_what_it_cannot_cut_and_nothing_changes() {
+    let mut state = state();
+    let mut trims = state.scene.surfaces[0].trims.clone();
+    trims.add_svg_path("M.1 .1 h.2 v.2 z").unwrap();
+    state.edit(vec![Part::Trims(0, Box::new(trims))]).unwrap();
+    let scene = state.scene.clone();
+    assert_eq!(state.apply(Action::Method), None);
+    assert!(matches!(&state.message, Some(Message::Error(text)) if text.contains("surface 0")));
+    assert_eq!(state.scene, scene);
+    let mut thesis = State::new(Scene::listing16(), None);
+    press(&mut thesis, &[Action::Method]);
+    let before = thesis.scene.surfaces[0].trims.clone();
+    assert!(
+        thesis
+            .edit(vec![Part::Trims(
+                0,
+                Box::new(Trims { keep: Keep::Outside, ..scene.surfaces[0].trims.clone() })
+            )])
+            .is_err()
+    );
+    assert_eq!(thesis.scene.surfaces[0].trims, before);
+}
+
+#[test]
+fn meshes_are_smoothed_and_surfaces_say_that_they_are_none() {
+    let mut state = State::new(mesh(), None);
+    let smoothing = |state: &State| state.scene.meshes[0].smoothing();
+    press(&mut state, &[Action::Pn]);
+    assert_eq!(smoothing(&state), Smoothing::Pn);
+    press(&mut state, &[Action::Phong]);
+    assert_eq!(smoothing(&state), Smoothing::Phong(Alpha::default()));
+    press(&mut state, &[Action::Phong]);
+    assert_eq!(smoothing(&state), Smoothing::None);
+    let mut state = self::state();
+    state.apply(Action::Pn);
+    assert!(matches!(&state.message, Some(Message::Error(text)) if text.contains("mesh")));
+}
+
+#[test]
+fn pictures_go_and_come_back() {
+    let mut state = state();
+    let with = state.scene.surfaces[0].paint.clone();
+    press(&mut state, &[Action::Texture]);
+    assert!(matches!(state.scene.surfaces[0].paint, Paint::Color(_)));
+    press(&mut state, &[Action::Texture]);
+    assert_eq!(state.scene.surfaces[0].paint, with);
+    let green = Paint::Color([0.0, 1.0, 0.0]);
+    let mut scene = Scene::listing16();
+    scene.surfaces[0].paint = green.clone();
+    let mut state = State::new(scene, None);
+    press(&mut state, &[Action::Texture]);
+    assert_eq!(state.scene.surfaces[0].paint, with, "bricks");
+    press(&mut state, &[Action::Texture]);
+    assert_eq!(state.scene.surfaces[0].paint, green);
+}
+
+#[test]
+fn a_file_that_changes_keeps_the_camera() {
+    let mut state = state();
+    press(&mut state, &[Action::LookFrom(Side::Right)]);
+    let camera = state.camera();
+    let mut changed = Scene::listing16();
+    changed.surfaces[0].shading = Shading::Normals;
+    state.reload(changed);
+    assert_eq!(state.camera(), camera);
+    assert_eq!(state.scene.surfaces[0].shading, Shading::Normals);
+}
+
+/// Numbers by chance, the same for the same seed: SplitMix64.
+pub(crate) struct Chance(pub(crate) u64);
+
+impl Chance {
+    pub(crate) fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((bits ^ (bits >> 31)) % end as u64) as usize
+    }
+}
+
+/// Any event, as hands and window systems send them.
+pub(crate) fn event_by_chance(state: &mut State, chance: &mut Chance) {
+    let actions: Vec<Action> =
+        BINDINGS.iter().flat_map(Binding::keys_and_actions).map(|(_, action)| *action).collect();
+    let place = dvec2(chance.below(1400) as f64 - 200.0, chance.below(900) as f64 - 150.0);
+    match chance.below(10) {
+        0..=3 => {
+            state.note_press();
+            state.apply(actions[chance.below(actions.len())]);
+        }
+        4..=6 => drop(state.move_to(place, chance.below(4) > 0)),
+        7 => {
+            let button = [Button::Left, Button::Middle, Button::Right][chance.below(3)];
+            state.press_button(button, chance.below(3) == 0);
+        }
+        8 => state.release_button(),
+        _ => match chance.below(5) {
+            0 => state.resize(chance.below(1000) as u32, chance.below(600) as u32),
+            1 => state.turn_wheel([1.0, -1.0, 1e300, -0.01][chance.below(4)]),
+            2 => state.advance(0.05),
+            3 => drop(state.leave()),
+            _ if chance.below(40) == 0 => state.open(Scene::listing16(), None),
+            _ if chance.below(40) == 0 => state.open(mesh(), None),
+            _ => state.selected = 0,
+        },
+    }
+}
+
+#[test]
+fn ten_thousand_events_by_chance_leave_a_scene_that_can_be_drawn() {
+    let mut state = state();
+    let mut chance = Chance(1);
+    for number in 0..10_000 {
+        event_by_chance(&mut state, &mut chance);
+        let seen = state.projection();
+        assert!(seen.view.is_finite() && seen.projection.is_finite(), "event {number}");
+        let surfaces = &state.scene.surfaces;
+        assert!(
+            surfaces.iter().all(|surface| surface.world_points().all(|point| point.is_finite()))
+        );
+    }
+}

@@ -1,0 +1,317 @@
+//! Trims under the hand: switched on and off by keys, pulled by their points in the (u, v) inset.
+
+use freeform_surface::{
+    Circle, Ellipse, Error, Interval, Result, Scene, Segment, TrimLoop, Trims, inside_loops,
+};
+use glam::{DVec2, dvec2};
+
+use super::action::TrimKind;
+use super::undo::Part;
+
+/// A point of a trim that can be pulled; numbers count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Handle {
+    /// The centre of a circle.
+    CircleCenter(usize),
+    /// The right end of a circle.
+    CircleRadius(usize),
+    /// The corner of an interval with the least u and v.
+    IntervalFirst(usize),
+    /// The opposite corner.
+    IntervalLast(usize),
+    /// The centre of an ellipse.
+    EllipseCenter(usize),
+    /// The right end of an ellipse.
+    EllipseU(usize),
+    /// The upper end of an ellipse.
+    EllipseV(usize),
+    /// A point of a segment of a loop, but not its last: that is the first of the next.
+    Loop { number: usize, segment: usize, point: usize },
+}
+
+/// All points that can be pulled, with their places in the domain.
+pub(crate) fn handles(trims: &Trims) -> Vec<(Handle, DVec2)> {
+    let mut handles = Vec::new();
+    for (i, Circle { center, radius }) in trims.circles.iter().enumerate() {
+        handles.push((Handle::CircleCenter(i), *center));
+        handles.push((Handle::CircleRadius(i), *center + dvec2(*radius, 0.0)));
+    }
+    for (i, Interval { u, v }) in trims.intervals.iter().enumerate() {
+        handles.push((Handle::IntervalFirst(i), dvec2(u.x, v.x)));
+        handles.push((Handle::IntervalLast(i), dvec2(u.y, v.y)));
+    }
+    for (i, Ellipse { center, radii }) in trims.ellipses.iter().enumerate() {
+        handles.push((Handle::EllipseCenter(i), *center));
+        handles.push((Handle::EllipseU(i), *center + dvec2(radii.x, 0.0)));
+        handles.push((Handle::EllipseV(i), *center + dvec2(0.0, radii.y)));
+    }
+    for (number, trim_loop) in trims.loops.iter().enumerate() {
+        for (segment, curve) in trim_loop.segments().iter().enumerate() {
+            let points = curve.points();
+            for (point, place) in points[..points.len() - 1].iter().enumerate() {
+                handles.push((Handle::Loop { number, segment, point }, *place));
+            }
+        }
+    }
+    handles
+}
+
+/// The trims with one of their points pulled to a place.
+///
+/// # Errors
+/// A place that is not finite, a point that is not there.
+pub(crate) fn pulled(trims: &Trims, handle: Handle, to: DVec2) -> Result<Trims> {
+    if !to.is_finite() {
+        return Err(Error::invalid("point of a trim", to, "finite coordinates"));
+    }
+    let mut trims = trims.clone();
+    let gone = || Error::invalid("point of a trim", format!("{handle:?}"), "one that is there");
+    match handle {
+        Handle::CircleCenter(i) | Handle::CircleRadius(i) => {
+            let circle = trims.circles.get_mut(i).ok_or_else(gone)?;
+            *circle = match handle {
+                Handle::CircleCenter(_) => Circle::new(to, circle.radius)?,
+                _ => Circle::new(circle.center, to.distance(circle.center))?,
+            };
+        }
+        Handle::IntervalFirst(i) | Handle::IntervalLast(i) => {
+            let interval = trims.intervals.get_mut(i).ok_or_else(gone)?;
+            let Interval { u, v } = *interval;
+            *interval = match handle {
+                Handle::IntervalFirst(_) => {
+                    Interval::new(dvec2(to.x.min(u.y), u.y), dvec2(to.y.min(v.y), v.y))?
+                }
+                _ => Interval::new(dvec2(u.x, to.x.max(u.x)), dvec2(v.x, to.y.max(v.x)))?,
+            };
+        }
+        Handle::EllipseCenter(i) | Handle::EllipseU(i) | Handle::EllipseV(i) => {
+            let ellipse = trims.ellipses.get_mut(i).ok_or_else(gone)?;
+            let Ellipse { center, radii } = *ellipse;
+            let reach = (to - center).abs();
+            *ellipse = match handle {
+                Handle::EllipseCenter(_) => Ellipse::new(to, radii)?,
+                Handle::EllipseU(_) => Ellipse::new(center, dvec2(reach.x, radii.y))?,
+                _ => Ellipse::new(center, dvec2(radii.x, reach.y))?,
+            };
+        }
+        Handle::Loop { number, segment, point } => {
+            let trim_loop = trims.loops.get_mut(number).ok_or_else(gone)?;
+            *trim_loop = with_point(trim_loop, segment, point, to)?;
+        }
+    }
+    Ok(trims)
+}
+
+/// A loop with one point moved; the segment before ends where the moved one begins.
+fn with_point(trim_loop: &TrimLoop, segment: usize, point: usize, to: DVec2) -> Result<TrimLoop> {
+    let mut points: Vec<Vec<DVec2>> =
+        trim_loop.segments().iter().map(|segment| segment.points().to_vec()).collect();
+    let count = points.len();
+    if let Some(place) = points.get_mut(segment).and_then(|points| points.get_mut(point)) {
+        *place = to;
+    }
+    if point == 0
+        && let Some(end) = points[(segment + count - 1) % count].last_mut()
+    {
+        *end = to;
+    }
+    TrimLoop::new(points.iter().map(|points| Segment::new(points)).collect::<Result<_>>()?)
+}
+
+/// Switches a kind of trims on or off in all surfaces that have it. If none has, `selected` gets one.
+pub(crate) fn switched(
+    scene: &Scene,
+    kind: TrimKind,
+    selected: usize,
+    put_by: &mut PutBy,
+) -> Vec<Part> {
+    let with_trims = |change: &dyn Fn(usize, &Trims) -> Option<Trims>| -> Vec<Part> {
+        let surfaces = scene.surfaces.iter().enumerate();
+        surfaces
+            .filter_map(|(number, surface)| {
+                Some(Part::Trims(number, Box::new(change(number, &surface.trims)?)))
+            })
+            .collect()
+    };
+    if kind == TrimKind::Nested {
+        return switched_nested(scene, selected, put_by);
+    }
+    let count = |trims: &Trims| match kind {
+        TrimKind::Circle => trims.circles.len(),
+        TrimKind::Interval => trims.intervals.len(),
+        TrimKind::Ellipse => trims.ellipses.len(),
+        TrimKind::Loop | TrimKind::Nested => trims.loops.len(),
+    };
+    if scene.surfaces.iter().all(|surface| count(&surface.trims) == 0) {
+        return with_trims(&|number, trims| {
+            (number == selected).then(|| {
+                let mut trims = trims.clone();
+                add(&mut trims, kind);
+                *switch(&mut trims, kind) = true;
+                trims
+            })
+        });
+    }
+    let is_on = |trims: &Trims| count(trims) > 0 && *switch(&mut trims.clone(), kind);
+    let on = !scene.surfaces.iter().any(|surface| is_on(&surface.trims));
+    with_trims(&|_, trims| {
+        (count(trims) > 0).then(|| {
+            let mut trims = trims.clone();
+            *switch(&mut trims, kind) = on;
+            trims
+        })
+    })
+}
+
+fn switch(trims: &mut Trims, kind: TrimKind) -> &mut bool {
+    match kind {
+        TrimKind::Circle => &mut trims.circles_on,
+        TrimKind::Interval => &mut trims.intervals_on,
+        TrimKind::Ellipse => &mut trims.ellipses_on,
+        TrimKind::Loop | TrimKind::Nested => &mut trims.loops_on,
+    }
+}
+
+/// The loop that a surface without one gets: two quadratics as the thesis' method takes them.
+fn lens_loop(scale: f64) -> Result<TrimLoop> {
+    let at = |u: f64, v: f64| dvec2(0.5, 0.5) + dvec2(u, v) * scale;
+    let (left, right) = (at(-0.3, 0.0), at(0.3, 0.0));
+    TrimLoop::new(vec![
+        Segment::Quadratic([left, at(0.0, 0.4), right]),
+        Segment::Quadratic([right, at(0.0, -0.4), left]),
+    ])
+}
+
+/// Adds a trim of a kind, where a picture shows it well.
+fn add(trims: &mut Trims, kind: TrimKind) {
+    match kind {
+        TrimKind::Circle => trims.circles.extend(Circle::new(dvec2(0.5, 0.5), 0.2)),
+        TrimKind::Interval => {
+            trims.intervals.extend(Interval::new(dvec2(0.1, 0.3), dvec2(0.6, 0.9)));
+        }
+        TrimKind::Ellipse => {
+            trims.ellipses.extend(Ellipse::new(dvec2(0.5, 0.2), dvec2(0.3, 0.1)));
+        }
+        TrimKind::Loop | TrimKind::Nested => trims.loops.extend(lens_loop(1.0)),
+    }
+}
+
+/// Nested loops that were taken out of the surfaces, by the number of the surface.
+pub(crate) type PutBy = Vec<(usize, Vec<TrimLoop>)>;
+
+/// Takes the loops that lie inside others out of all surfaces, or puts them back.
+fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Part> {
+    let mut parts = Vec::new();
+    let mut taken = PutBy::new();
+    for (number, surface) in scene.surfaces.iter().enumerate() {
+        let (nested, outer): (Vec<_>, Vec<_>) =
+            surface.trims.loops.iter().cloned().partition(|inner| {
+                let start = inner.segments()[0].start();
+                let holds = |outer: &TrimLoop| inside_loops(std::slice::from_ref(outer), start);
+                surface.trims.loops.iter().any(|outer| outer != inner && holds(outer))
+            });
+        if !nested.is_empty() && surface.trims.loops_on {
+            taken.push((number, nested));
+            let trims = Trims { loops: outer, ..surface.trims.clone() };
+            parts.push(Part::Trims(number, Box::new(trims)));
+        }
+    }
+    if !parts.is_empty() {
+        *put_by = taken;
+        return parts;
+    }
+    for (number, nested) in put_by.drain(..) {
+        if let Some(surface) = scene.surfaces.get(number) {
+            let mut trims = Trims { loops_on: true, ..surface.trims.clone() };
+            trims.loops.extend(nested);
+            parts.push(Part::Trims(number, Box::new(trims)));
+        }
+    }
+    if parts.is_empty()
+        && let Some(surface) = scene.surfaces.get(selected)
+    {
+        let mut trims = Trims { loops_on: true, ..surface.trims.clone() };
+        match trims.loops.first().map(shrunk) {
+            Some(inner) => trims.loops.extend(inner),
+            None => trims.loops.extend(lens_loop(1.0).into_iter().chain(lens_loop(0.5))),
+        }
+        parts.push(Part::Trims(selected, Box::new(trims)));
+    }
+    parts
+}
+
+/// A loop of half the size around the same middle.
+fn shrunk(outer: &TrimLoop) -> Result<TrimLoop> {
+    let [least, most] = outer.control_box();
+    let middle = least.midpoint(most);
+    let segments = outer.segments().iter().map(|segment| {
+        let points: Vec<DVec2> =
+            segment.points().iter().map(|point| middle + (*point - middle) * 0.5).collect();
+        Segment::new(&points)
+    });
+    TrimLoop::new(segments.collect::<Result<_>>()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::undo::History;
+    use freeform_surface::NewtonTrims;
+
+    const KINDS: [TrimKind; 5] =
+        [TrimKind::Circle, TrimKind::Interval, TrimKind::Ellipse, TrimKind::Loop, TrimKind::Nested];
+
+    fn press(scene: &mut Scene, kind: TrimKind, put_by: &mut PutBy) {
+        let parts = switched(scene, kind, 0, put_by);
+        assert!(!parts.is_empty());
+        History::default().edit(scene, parts, 1);
+    }
+
+    #[test]
+    fn a_key_adds_then_takes_away_then_brings_back() {
+        for kind in KINDS {
+            let mut scene = Scene::listing16();
+            scene.surfaces[0].trims = Trims::default();
+            let mut put_by = PutBy::new();
+            let cut = |scene: &Scene| -> usize {
+                let trims = &scene.surfaces[0].trims;
+                assert!(NewtonTrims::of(trims).is_ok());
+                let places = (0..400).map(|i| dvec2(f64::from(i % 20), f64::from(i / 20)) / 19.0);
+                places.filter(|uv| trims.cut(*uv)).count()
+            };
+            press(&mut scene, kind, &mut put_by);
+            let with = cut(&scene);
+            assert!(with > 0, "{kind:?}");
+            press(&mut scene, kind, &mut put_by);
+            let without = cut(&scene);
+            assert_ne!(with, without, "{kind:?}");
+            press(&mut scene, kind, &mut put_by);
+            assert_eq!(cut(&scene), with, "{kind:?}");
+        }
+    }
+
+    #[test]
+    fn a_pulled_point_is_where_it_was_pulled_to() {
+        let mut trims = Trims::default();
+        for kind in KINDS {
+            add(&mut trims, kind);
+        }
+        let all = handles(&trims);
+        assert_eq!(all.len(), 2 + 2 + 3 + 4 + 4);
+        for (i, (handle, place)) in all.iter().enumerate() {
+            // Radii have one direction, corners keep their order.
+            let to = match handle {
+                Handle::CircleRadius(_) | Handle::EllipseU(_) => *place + dvec2(0.05, 0.0),
+                Handle::EllipseV(_) => *place + dvec2(0.0, 0.05),
+                Handle::IntervalFirst(_) => *place - 0.05,
+                _ => *place + 0.05,
+            };
+            let moved = handles(&pulled(&trims, *handle, to).unwrap());
+            assert!(moved[i].1.distance(to) < 1e-12, "{handle:?}");
+            assert!(pulled(&trims, *handle, DVec2::NAN).is_err(), "{handle:?}");
+        }
+        assert!(pulled(&trims, Handle::CircleCenter(9), DVec2::ZERO).is_err());
+        let crossed = pulled(&trims, Handle::IntervalFirst(0), DVec2::ONE).unwrap();
+        assert_eq!(crossed.intervals[0].u.x, crossed.intervals[0].u.y);
+    }
+}
