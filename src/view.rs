@@ -4,7 +4,7 @@
 //! window system → input → Key, Button → State → Changes → PreparedScene → picture → window
 //! ```
 //!
-//! What keys and mouse do is decided without a window ([`state`], [`pointer`], and the table in [`action`])
+//! What keys and mouse do is decided without a window (`state`, `pointer`, and the table in `action`)
 //! and tested without one. The window itself is behind the feature `viewer`.
 
 #[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
@@ -82,8 +82,8 @@ fn show(arguments: &ViewArguments) -> Result<()> {
 #[cfg(not(feature = "viewer"))]
 fn show(_: &ViewArguments) -> Result<()> {
     Err(freeform_surface::Error::Context(
-        "this program was built without its window; cargo install --path . --features viewer, or \
-         cargo run --release --features viewer -- view"
+        "this program was built without its window; to get it: cargo install --path . --features \
+         viewer, or cargo run --release --features viewer -- view"
             .into(),
     ))
 }

@@ -177,7 +177,7 @@ fn files_that_are_no_scenes_are_refused() {
     folder.write("blank.bpt", " \n\t\n");
     folder.write("binary.toml", [0x89, b'P', b'N', b'G', 0, 255, 254]);
     folder.write("binary.bpt", [0u8, 1, 2, 3, 27, 7, 9]);
-    folder.write("scene.obj", "v 0 0 0");
+    folder.write("scene.stl", "v 0 0 0");
     folder.write("huge.bpt", "1073741824\n3 3\n1 2 3\n");
     let teapot = std::fs::read_to_string(resource("surfaces/teapot.bpt")).unwrap();
     folder.write("cut.bpt", &teapot[..teapot.len() / 2]);
@@ -189,7 +189,7 @@ fn files_that_are_no_scenes_are_refused() {
         ("blank.bpt", &["blank.bpt", "empty"]),
         ("binary.toml", &["binary.toml", "not text"]),
         ("binary.bpt", &["binary.bpt:1:", "no number"]),
-        ("scene.obj", &["scene.obj", ".toml or .bpt"]),
+        ("scene.stl", &["scene.stl", ".toml, .bpt or .obj"]),
         ("none.obj", &["none.obj", "No such file"]),
         ("huge.bpt", &["huge.bpt:3:", "ends after 3 of its 48"]),
         ("cut.bpt", &["cut.bpt:", "ends after"]),
