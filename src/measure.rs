@@ -282,7 +282,8 @@ mod tests {
         let all = measured(&aovs);
         assert!((all.max_error_px - 5.0).abs() < 1e-5, "{all:?}");
         assert!((all.mean_error_px - 4.0).abs() < 1e-5, "{all:?}");
-        assert!((all.rms_error_px - 4.0).abs() < 1e-5, "{all:?}");
+        // Half of them 3 pixels off, half 5.
+        assert!((all.rms_error_px - 17.0_f64.sqrt()).abs() < 1e-5, "{all:?}");
     }
 
     #[test]
