@@ -29,7 +29,18 @@ fn scenes() -> Vec<PathBuf> {
 /// Writes a scene as if it stood in the folder of its file, and reads that again.
 fn again(scene: &Scene, path: &Path) -> Scene {
     let written = scene.to_toml(path).unwrap();
-    assert!(written.files.is_empty(), "{}: {:?}", path.display(), written.files.len());
+    if !written.files.is_empty() {
+        // A mesh with creases that its file does not have is written anew, beside the scene.
+        assert!(!scene.meshes.is_empty(), "{}: {}", path.display(), written.files.len());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("written.toml");
+        let written = scene.to_toml(&path).unwrap();
+        for (path, bytes) in &written.files {
+            std::fs::write(path, bytes).unwrap();
+        }
+        std::fs::write(&path, &written.text).unwrap();
+        return Scene::load(&path).unwrap();
+    }
     Scene::from_toml(&written.text, path).unwrap_or_else(|error| {
         panic!("{error}\n{}", &written.text[..written.text.len().min(2_000)])
     })
