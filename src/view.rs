@@ -6,14 +6,12 @@
 //!
 //! What keys and mouse do is decided without a window (`state`, `pointer`, and the table in `action`)
 //! and tested without one. The window itself is behind the feature `viewer`.
+#![cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod action;
 #[cfg(feature = "viewer")]
 mod app;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod camera;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod files;
 #[cfg(feature = "viewer")]
 mod gl;
@@ -25,17 +23,12 @@ mod inset;
 mod overlay;
 #[cfg(feature = "viewer")]
 mod panel;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod pick;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod pointer;
 #[cfg(feature = "viewer")]
 mod screen;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod state;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod trims;
-#[cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 mod undo;
 #[cfg(feature = "viewer")]
 mod watch;

@@ -14,7 +14,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use freeform_surface::{Error, Headless, Image, Method, NewtonTrims, Result, Scene};
+use freeform_surface::{Error, Headless, Image, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output::replace;
@@ -184,12 +184,6 @@ fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 
 fn unwritable(action: &'static str, path: &Path, error: impl ToString) -> Error {
     Error::File { action, path: path.to_owned(), reason: error.to_string() }
-}
-
-/// Whether the thesis' method has no way to cut the loops of a scene.
-fn thesis_refuses(scene: &Scene) -> bool {
-    debug_assert_eq!(scene.settings.method, Method::Thesis);
-    scene.surfaces.iter().any(|surface| NewtonTrims::of(&surface.trims).is_err())
 }
 
 /// The project's folder of scenes: in the current folder, or where the program was built.

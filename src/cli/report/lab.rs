@@ -110,6 +110,7 @@ impl Lab {
             .iter_mut()
             .map(|(prepared, frame)| {
                 || {
+                    // Wherever the eye is, the view is another one.
                     frame.projection.view.w_axis.x *= 1.0 + 1e-9;
                     frame.projection.view.w_axis.x += 1e-9;
                     prepared.draw(&mut renderer.borrow_mut(), frame)?;

@@ -1,12 +1,11 @@
 //! Section 4: how cost grows with patches, trim segments and mesh triangles.
 
 use std::f64::consts::TAU;
-use std::time::Instant;
 
 use freeform_surface::measure::{Timing, in_turns};
 use freeform_surface::{
     Corner, CreaseAngle, Degree, HalfedgeMesh, Mesh, Result, Scene, Segment, Smoothing, Surface,
-    TessLevel, Tessellation, TrimLoop,
+    TrimLoop,
 };
 use glam::{DVec3, DVec4, dvec2, dvec3};
 
@@ -105,17 +104,11 @@ fn of_segments(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
 }
 
 /// Neighbours and one step of a torus of about so many triangles.
-fn of_triangles(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
+fn of_triangles(_: &mut Lab, count: usize) -> Result<(Timing, Row)> {
     let mesh = torus((count / 2).isqrt())?;
     let triangles = mesh.triangles().len();
     let mut step = || HalfedgeMesh::new(mesh.clone())?.tessellate(Smoothing::Pn).map(drop);
-    let timing = if lab.quick || triangles < 500_000 {
-        in_turns(3, &mut [&mut step])?[0]
-    } else {
-        let start = Instant::now();
-        step()?;
-        Timing { ms: start.elapsed().as_secs_f64() * 1e3, spread: 0.0 }
-    };
+    let timing = in_turns(3, &mut [&mut step])?[0];
     let row = Row::new("scaling", "mesh triangles", "pn");
     Ok((timing, Row { triangles: Some(triangles as u64), ..row }))
 }
@@ -139,12 +132,6 @@ fn torus(side: usize) -> Result<Mesh> {
         [[a, b, c], [a, c, d]]
     });
     Mesh::new(positions, Vec::new(), Vec::new(), triangles.collect(), CreaseAngle::default())
-}
-
-/// One level for all, where scenes are compared with others.
-pub(super) fn at_level(scene: &mut Scene, level: i64) -> Result<()> {
-    scene.settings.tessellation = Tessellation::Level(TessLevel::new(level)?);
-    Ok(())
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use freeform_surface::{Method, Result, Scene};
+use freeform_surface::{Method, NewtonTrims, Result, Scene};
 
 use super::lab::Lab;
 use super::row::{Row, name};
@@ -35,7 +35,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         for (count, method) in counts.iter_mut().zip([Method::Exact, Method::Thesis]) {
             let mut scene = scene.clone();
             scene.settings.method = method;
-            if method == Method::Thesis && super::thesis_refuses(&scene) {
+            if method == Method::Thesis && thesis_refuses(&scene) {
                 continue;
             }
             *count = Some(row_of(lab, case, &scene, &path.display().to_string(), &mut section)?);
@@ -54,6 +54,11 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         if wrong.is_empty() { String::new() } else { format!(" ({})", wrong.join(", ")) }
     ));
     Ok(section)
+}
+
+/// Whether the thesis' method has no way to cut the loops of a scene.
+fn thesis_refuses(scene: &Scene) -> bool {
+    scene.surfaces.iter().any(|surface| NewtonTrims::of(&surface.trims).is_err())
 }
 
 /// Cases of a quick report: one of each kind.

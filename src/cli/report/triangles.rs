@@ -1,7 +1,8 @@
 //! Section 3: smoothed meshes against the sphere and the torus that they stand for.
 
 use freeform_surface::{
-    Alpha, CreaseAngle, DrawnVertex, Mesh, MeshModel, Result, Scene, Smoothing, smooth,
+    Alpha, CreaseAngle, DrawnVertex, Mesh, MeshModel, Result, Scene, Smoothing, TessLevel,
+    Tessellation, smooth,
 };
 use glam::{DMat4, DVec3};
 
@@ -9,7 +10,6 @@ use super::Section;
 use super::lab::Lab;
 use super::plot::{Line, plot};
 use super::row::Row;
-use super::scaling::at_level;
 
 /// The distance of a point from an ideal surface.
 type Distance = fn(DVec3) -> f64;
@@ -75,14 +75,13 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
                     .map(|corner| smoothed.positions()[corner.position as usize])
                     .collect();
                 section.rows.push(Row {
-                    iterations: Some(steps),
                     triangles: Some(smoothed.triangles().len() as u64),
                     max_error: Some(largest(&corners, distance)),
                     command: format!(
                         "freeform smooth {} --method {way} --steps {steps} -o OUT.obj",
                         file.display()
                     ),
-                    ..Row::new("triangles", shape, format!("{way}, software"))
+                    ..Row::new("triangles", shape, format!("{way}, software, {steps} steps"))
                 });
             }
         }
@@ -96,7 +95,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
 fn scene(mesh: &Mesh, smoothing: Smoothing, level: i64) -> Result<Scene> {
     let mut scene = Scene { surfaces: Vec::new(), ..Scene::listing16() };
     scene.meshes.push(MeshModel::new(mesh.clone(), smoothing)?);
-    at_level(&mut scene, level)?;
+    scene.settings.tessellation = Tessellation::Level(TessLevel::new(level)?);
     Ok(scene)
 }
 
