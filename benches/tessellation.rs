@@ -146,18 +146,7 @@ fn static_meshes(gl: &Arc<glow::Context>) {
 /// The teapot, the whole of it in the picture.
 fn teapot_scene() -> Scene {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut scene =
-        Scene::load(&root.join("resources/surfaces/teapot.bpt")).expect("the teapot's file");
-    let points = scene.surfaces.iter().flat_map(Surface::world_points);
-    let (low, high) = points
-        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-    let fov_y_radians = 45_f64.to_radians();
-    let away = 0.5 * low.distance(high) / (0.5 * fov_y_radians).sin();
-    let middle = low.midpoint(high);
-    let eye = middle + dvec3(0.4, -1.0, 0.85).normalize() * away;
-    let lens = Lens::Perspective { fov_y_radians };
-    scene.camera = Some(Camera::new(eye, middle, DVec3::Z, lens).expect("a camera"));
-    scene
+    Scene::load(&root.join("resources/scenes/gallery/teapot.toml")).expect("the teapot's file")
 }
 
 /// Levels by tolerance against the level that is enough everywhere.

@@ -12,6 +12,7 @@ mod framebuffer;
 mod program;
 mod texel_buffer;
 mod texture;
+mod timer;
 mod vertex_array;
 
 use glam::{IVec2, UVec2, Vec4};
@@ -24,6 +25,7 @@ pub use framebuffer::Framebuffer;
 pub use program::{Program, ShaderPart, Stage, StageKind};
 pub use texel_buffer::TexelBuffer;
 pub use texture::Texture;
+pub use timer::Timer;
 pub use vertex_array::VertexArray;
 
 use crate::tessellation::DrawSize;
@@ -55,6 +57,12 @@ pub struct DriverInfo {
 }
 
 impl DriverInfo {
+    /// Whether the driver draws with the processor itself, and so shares its cores: one of Mesa's.
+    #[must_use]
+    pub fn is_software(&self) -> bool {
+        ["llvmpipe", "softpipe", "swr"].iter().any(|name| self.renderer.contains(name))
+    }
+
     /// Reads the current context's names and limits.
     #[must_use]
     pub fn of(gl: &glow::Context) -> Self {

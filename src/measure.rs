@@ -13,7 +13,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3};
 use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::{Aovs, Patch, Projection, Scene, Surface, Tessellation};
 
-pub use turns::{Timing, in_turns};
+pub use turns::{Timing, in_turns, in_turns_by};
 pub use views::random_view;
 
 /// The angle between tangents whose sine is below this leaves the normal open.
@@ -89,11 +89,7 @@ pub fn measure(
     reference: &Coverage,
 ) -> Measurement {
     assert_eq!(aovs.size, reference.size, "sizes of the measured picture and the reference");
-    let patches: Vec<Seen<'_>> =
-        scene.surfaces.iter().flat_map(|surface| Seen::of(surface, projection)).collect();
-    let mut all = Measurement { bad_values: count_bad(aovs), ..Measurement::default() };
-    let size = DVec2::new(f64::from(aovs.size.0), f64::from(aovs.size.1));
-    let (mut total_px, mut total_squares) = (0.0, 0.0);
+    let mut all = measure_drawn(scene, projection, aovs);
     for (i, (cover, uv)) in reference.pixels.iter().zip(&aovs.uv).enumerate() {
         let drawn = uv[3] != 0.0;
         all.expected += usize::from(cover.covered());
@@ -102,9 +98,20 @@ pub fn measure(
         all.crack_pixels += usize::from(
             !drawn && *cover == Cover::Inside && !shows_a_gap(scene, projection, aovs.size, pixel),
         );
-        if !drawn {
-            continue;
-        }
+    }
+    all
+}
+
+/// Measures what is drawn in a picture of a scene, as [`measure()`] does, but not what is missing: without
+/// a reference nothing is said of silhouettes and cracks.
+#[must_use]
+pub fn measure_drawn(scene: &Scene, projection: &Projection, aovs: &Aovs) -> Measurement {
+    let patches: Vec<Seen<'_>> =
+        scene.surfaces.iter().flat_map(|surface| Seen::of(surface, projection)).collect();
+    let mut all = Measurement { bad_values: count_bad(aovs), ..Measurement::default() };
+    let size = DVec2::new(f64::from(aovs.size.0), f64::from(aovs.size.1));
+    let (mut total_px, mut total_squares) = (0.0, 0.0);
+    for (i, uv) in aovs.uv.iter().enumerate().filter(|(_, uv)| uv[3] != 0.0) {
         all.covered += 1;
         let [u, v, number, _] = uv.map(f64::from);
         let patch = (number >= 0.0).then(|| patches.get(number.round() as usize)).flatten();

@@ -7,6 +7,7 @@ mod meshes;
 mod prepared;
 pub mod programs;
 mod smooth;
+mod static_mesh;
 mod triangles;
 
 use std::collections::HashMap;
@@ -23,6 +24,7 @@ use programs::{
     location,
 };
 pub use smooth::sample_offsets;
+pub use static_mesh::{StaticLook, StaticMesh, StaticVertex};
 pub use triangles::DrawnVertex;
 use triangles::Feedback;
 

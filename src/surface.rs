@@ -517,7 +517,10 @@ pub(crate) fn check_transform(matrix: &DMat4) -> Result<()> {
 
 impl Paint {
     /// The texture that shows this paint: the picture, or one texel of the colour.
-    pub(crate) fn upload(&self, gl: &Arc<glow::Context>) -> Result<Texture> {
+    ///
+    /// # Errors
+    /// As [`Texture::new`].
+    pub fn upload(&self, gl: &Arc<glow::Context>) -> Result<Texture> {
         match self {
             Self::Texture(image) => Texture::new(gl, "surface picture", image),
             Self::Color(rgb) => {

@@ -307,26 +307,10 @@ fn patches_by_chance_meet_in_every_orientation() {
     }
 }
 
-/// A camera that has the sphere around the scene's box in its picture, from where the framing camera
-/// looks.
-fn around_sphere(scene: &Scene) -> Camera {
-    let [low, high] = scene
-        .surfaces
-        .iter()
-        .flat_map(Surface::world_points)
-        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)]);
-    let (middle, radius) = (low.midpoint(high), 0.5 * low.distance(high));
-    let back = (-DVec3::Y + 0.85 * DVec3::Z + 0.4 * DVec3::X).normalize();
-    let eye = middle + back * (radius / 22.5_f64.to_radians().sin());
-    let lens = Lens::Perspective { fov_y_radians: 45_f64.to_radians() };
-    Camera::new(eye, middle, DVec3::Z, lens).unwrap()
-}
-
 #[test]
 fn half_a_pixel_of_the_teapot_takes_45_000_triangles() {
     let mut stage = Stage::new(uvec2(1920, 1080));
-    let mut scene = teapot();
-    scene.camera = Some(around_sphere(&scene));
+    let scene = load(&root().join("resources/scenes/gallery/teapot.toml"));
     let mut prepared = stage.prepared(&scene);
     stage.picture(&mut prepared, &stage.frame(&scene));
     let figures = prepared.figures();

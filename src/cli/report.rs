@@ -1,11 +1,16 @@
 //! `freeform report`: speed against error for every method, on the machine at hand.
 
+mod advice;
+#[cfg(test)]
+mod answers;
 mod lab;
 mod page;
+mod peers;
 mod plot;
 mod row;
 mod scaling;
 mod stability;
+mod summary;
 mod tessellation;
 mod triangles;
 mod trimming;
@@ -14,6 +19,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{Error, Headless, Image, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -36,6 +42,8 @@ pub(super) enum Topic {
     Scaling,
     /// The hard cases.
     Stability,
+    /// Other tessellators.
+    Peers,
 }
 
 impl Topic {
@@ -46,6 +54,7 @@ impl Topic {
             Self::Triangles => triangles::section(lab),
             Self::Scaling => scaling::section(lab),
             Self::Stability => stability::section(lab),
+            Self::Peers => peers::section(lab),
         }
     }
 }
@@ -106,13 +115,21 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         arguments.only.clone()
     };
     let bar = ProgressBar::no_length();
-    if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+    let template = "{prefix} {bar:20} {pos}/{len} {elapsed} {msg}";
+    if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
     let context = Headless::new(arguments.backend)?;
-    let mut lab = Lab::new(context, arguments.resources.clone(), arguments.quick, bar.clone())?;
+    let mut lab = Lab::new(
+        context,
+        Sources::default(),
+        arguments.resources.clone(),
+        arguments.quick,
+        bar.clone(),
+    )?;
     let mut sections = Vec::with_capacity(topics.len());
-    for topic in &topics {
+    for (number, topic) in topics.iter().enumerate() {
+        bar.set_prefix(format!("section {} of {}", number + 1, topics.len()));
         sections.push(topic.measure(&mut lab)?);
     }
     bar.finish_and_clear();
@@ -126,7 +143,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         driver: lab.driver(),
         machine: machine(),
         size: lab.size,
-        summary: sections.iter().flat_map(|section| section.findings.iter().cloned()).collect(),
+        summary: advice::advice(&rows),
         command: command(arguments),
     };
     let folder = &arguments.out;
@@ -135,6 +152,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     write(&folder.join("report.json"), json.as_bytes())?;
     for section in &sections {
         write(&folder.join(format!("{}.csv", section.name)), &csv(&section.rows)?)?;
+    }
+    write(&folder.join("summary.md"), summary::summary(&head, &rows).as_bytes())?;
+    if let Some((_, svg)) = sections.iter().flat_map(|section| &section.plots).next() {
+        write(&folder.join("summary.svg"), svg.as_bytes())?;
     }
     let index = folder.join("index.html");
     write(&index, page(&head, &sections)?.as_bytes())?;

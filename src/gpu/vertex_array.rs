@@ -1,4 +1,4 @@
-//! The layouts of vertices: control points, parts of patches, and corners of triangles.
+//! The layouts of vertices: control points, parts of patches, corners of smooth and static triangles.
 
 use std::sync::Arc;
 
@@ -43,6 +43,18 @@ impl VertexArray {
         Ok(array)
     }
 
+    /// Corners of static triangles: attributes 0 and 1 are a `vec4`, 2 a `uint`.
+    ///
+    /// # Errors
+    /// The driver has no vertex array.
+    pub fn of_static(gl: &Arc<glow::Context>) -> Result<Self> {
+        let array = Self::new(gl, "static triangles", 36)?;
+        array.floats(0, 4, 0);
+        array.floats(1, 4, 16);
+        array.words(2, 1, 32);
+        Ok(array)
+    }
+
     /// An attribute of so many floats that begins so many bytes into a vertex.
     fn floats(&self, attribute: u32, components: i32, offset: u32) {
         let gl = &self.gl;
@@ -67,21 +79,26 @@ impl VertexArray {
     /// The driver has no vertex array.
     pub fn of_parts(gl: &Arc<glow::Context>) -> Result<Self> {
         let array = Self::new(gl, "parts of patches", 32)?;
-        for (attribute, offset) in [(0, 0), (1, 16)] {
-            // SAFETY: the context is current (see the module); the array is ours.
-            unsafe {
-                gl.enable_vertex_array_attrib(array.raw, attribute);
-                gl.vertex_array_attrib_format_i32(
-                    array.raw,
-                    attribute,
-                    4,
-                    glow::UNSIGNED_INT,
-                    offset,
-                );
-                gl.vertex_array_attrib_binding_f32(array.raw, attribute, 0);
-            }
-        }
+        array.words(0, 4, 0);
+        array.words(1, 4, 16);
         Ok(array)
+    }
+
+    /// An attribute of so many whole numbers that begins so many bytes into a vertex.
+    fn words(&self, attribute: u32, components: i32, offset: u32) {
+        let gl = &self.gl;
+        // SAFETY: the context is current (see the module); the array is ours.
+        unsafe {
+            gl.enable_vertex_array_attrib(self.raw, attribute);
+            gl.vertex_array_attrib_format_i32(
+                self.raw,
+                attribute,
+                components,
+                glow::UNSIGNED_INT,
+                offset,
+            );
+            gl.vertex_array_attrib_binding_f32(self.raw, attribute, 0);
+        }
     }
 
     fn new(gl: &Arc<glow::Context>, label: &str, bytes: i32) -> Result<Self> {
@@ -102,12 +119,20 @@ impl VertexArray {
         }
     }
 
+    /// Binds the layout with a buffer of such vertices and one of indices.
+    pub fn bind_indexed(&self, vertices: &Buffer, indices: &Buffer) {
+        // SAFETY: the context is current (see the module); both objects live.
+        unsafe { self.gl.vertex_array_element_buffer(self.raw, Some(indices.raw())) }
+        self.bind(vertices);
+    }
+
     /// Binds no vertex array.
     pub fn unbind(&self) {
         // SAFETY: the context is current (see the module). The array must not keep a buffer alive
         // that its owner deletes.
         unsafe {
             self.gl.vertex_array_vertex_buffer(self.raw, 0, None, 0, self.bytes);
+            self.gl.vertex_array_element_buffer(self.raw, None);
             self.gl.bind_vertex_array(None);
         }
     }

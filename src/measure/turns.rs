@@ -22,7 +22,8 @@ impl Timing {
     }
 }
 
-/// Does several things in turns, once to warm up and then so many times, and tells how long each took.
+/// Does several things in turns, once to warm up and then so many times, and tells how long each took
+/// by the wall clock.
 ///
 /// # Errors
 /// The first that one of them has.
@@ -30,15 +31,30 @@ pub fn in_turns(
     turns: usize,
     things: &mut [&mut dyn FnMut() -> Result<()>],
 ) -> Result<Vec<Timing>> {
-    for thing in things.iter_mut() {
-        thing()?;
+    in_turns_by(turns, things.len(), |thing| {
+        let start = Instant::now();
+        things[thing]()?;
+        Ok(start.elapsed())
+    })
+}
+
+/// Like [`in_turns`], by a clock of the caller's: `one` does a thing, by its number, and tells how long
+/// it took.
+///
+/// # Errors
+/// The first that one of them has.
+pub fn in_turns_by(
+    turns: usize,
+    things: usize,
+    mut one: impl FnMut(usize) -> Result<Duration>,
+) -> Result<Vec<Timing>> {
+    for thing in 0..things {
+        one(thing)?;
     }
-    let mut times = vec![Vec::with_capacity(turns); things.len()];
+    let mut times = vec![Vec::with_capacity(turns); things];
     for _ in 0..turns.max(1) {
-        for (thing, times) in things.iter_mut().zip(&mut times) {
-            let start = Instant::now();
-            thing()?;
-            times.push(start.elapsed());
+        for (thing, times) in times.iter_mut().enumerate() {
+            times.push(one(thing)?);
         }
     }
     Ok(times.into_iter().map(Timing::of).collect())

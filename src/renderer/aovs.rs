@@ -16,6 +16,16 @@ impl FloatTarget {
     pub fn for_aovs(renderer: &Renderer, size: (u32, u32)) -> Result<Self> {
         Self::new(renderer.gl(), size, PICTURES)
     }
+
+    /// What `common/aov.frag` has left in such a target.
+    pub(super) fn aovs(&self) -> Aovs {
+        let (uv, position, both) = (self.read(0), self.read(1), self.read(2));
+        // What is drawn has 1 in the first picture's alpha.
+        let drawn = |i: usize| uv[i][3];
+        let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
+        let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);
+        Aovs { size: self.size(), normal: normal.collect(), depth: depth.collect(), uv, position }
+    }
 }
 
 impl PreparedScene {
@@ -33,18 +43,6 @@ impl PreparedScene {
         frame.settings.wireframe = false;
         target.bind_cleared();
         self.draw_together(renderer, &frame, Output::Aovs)?;
-        let (uv, position) = (target.read(0), target.read(1));
-        let both = target.read(2);
-        // What is drawn has 1 in the first picture's alpha.
-        let drawn = |i: usize| uv[i][3];
-        let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
-        let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);
-        Ok(Aovs {
-            size: target.size(),
-            normal: normal.collect(),
-            depth: depth.collect(),
-            uv,
-            position,
-        })
+        Ok(target.aovs())
     }
 }

@@ -9,7 +9,7 @@ use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
-use crate::{Degree, FreeFormSurface, Normals, Result, Shading};
+use crate::{Degree, FreeFormSurface, Method, Normals, Result, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -115,6 +115,8 @@ pub enum Pipeline {
         /// Phong tessellation, or else curved PN triangles.
         phong: bool,
     },
+    /// Triangles that were made beforehand, with a method's fragment stage.
+    Static(Method),
     /// Control points as squares.
     Points,
 }
@@ -260,12 +262,13 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 23] = glsl![
+const FILES: [(&str, &str); 24] = glsl![
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
     "common/normal.frag",
     "common/phong.glsl",
+    "common/static.vert",
     "common/trim.glsl",
     "exact/patch.glsl",
     "exact/surface.vert",
@@ -370,6 +373,16 @@ impl Sources {
                     (Fragment, "exact/surface.frag"),
                 ],
             ),
+            Pipeline::Static(Method::Exact) => (
+                "static triangles",
+                3,
+                &[(Vertex, "common/static.vert"), (Fragment, "exact/surface.frag")],
+            ),
+            Pipeline::Static(Method::Thesis) => (
+                "static triangles, as the thesis",
+                3,
+                &[(Vertex, "common/static.vert"), (Fragment, "thesis/surface.frag")],
+            ),
             Pipeline::Points => (
                 "control points",
                 1,
@@ -409,6 +422,7 @@ impl Sources {
             .map(|(kind, file)| {
                 let exact = matches!(key.pipeline, Pipeline::Exact { .. });
                 let triangles = matches!(key.pipeline, Pipeline::Triangles { .. });
+                let plain = triangles || key.pipeline == Pipeline::Static(Method::Exact);
                 let mut parts = Vec::with_capacity(5);
                 if *kind == TessEvaluation && (exact || triangles) {
                     parts.push(self.part("common/levels.glsl"));
@@ -417,7 +431,7 @@ impl Sources {
                     parts.push(self.part("exact/patch.glsl"));
                 }
                 if *kind == Fragment {
-                    if exact && (pixel_normals || !aov) || triangles && !aov {
+                    if exact && (pixel_normals || !aov) || plain && !aov {
                         parts.push(self.part("common/normal.frag"));
                     }
                     if key.shading == Shading::Phong && !aov {

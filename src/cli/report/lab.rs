@@ -1,11 +1,13 @@
 //! Where things are measured: a context, its targets, and the folder of scenes.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
-use freeform_surface::measure::{Measurement, Timing, in_turns, measure};
-use freeform_surface::reference::Coverage;
+use freeform_surface::gpu::{self, FloatTarget, Framebuffer, Timer};
+use freeform_surface::measure::{Measurement, Timing, in_turns_by, measure, measure_drawn};
+use freeform_surface::renderer::programs::Sources;
+use freeform_surface::renderer::{StaticLook, StaticMesh};
 use freeform_surface::{
     Aovs, DrawnVertex, Error, Frame, Headless, Image, PreparedScene, Renderer, Result, Scene,
     Trims, reference,
@@ -19,6 +21,8 @@ pub(super) struct Lab {
     picture: Framebuffer,
     numbers: FloatTarget,
     renderer: Renderer,
+    /// The device's clock, where it is not the processor itself.
+    timer: Option<Timer>,
     context: Headless,
     pub(super) size: (u32, u32),
     /// Times that things are done to find the median of what they take.
@@ -39,16 +43,20 @@ pub(super) struct Wrong {
 impl Lab {
     pub(super) fn new(
         context: Headless,
+        sources: Sources,
         resources: PathBuf,
         quick: bool,
         bar: ProgressBar,
     ) -> Result<Self> {
         let size = if quick { (500, 300) } else { (1000, 600) };
-        let renderer = Renderer::new(context.gl())?;
+        let renderer = Renderer::with_sources(context.gl(), sources)?;
+        let is_software = context.info().is_software();
+        let timer = if is_software { None } else { Some(Timer::new(context.gl())?) };
         Ok(Self {
             picture: Framebuffer::new(context.gl(), size.0, size.1)?,
             numbers: FloatTarget::for_aovs(&renderer, size)?,
             renderer,
+            timer,
             context,
             size,
             turns: if quick { 5 } else { 9 },
@@ -72,6 +80,12 @@ impl Lab {
         format!("{}, OpenGL {}", info.renderer, info.version)
     }
 
+    /// Says how many things a section is going to do.
+    pub(super) fn begin(&self, steps: usize) {
+        self.bar.set_length(steps as u64);
+        self.bar.set_position(0);
+    }
+
     /// Says what is being done.
     pub(super) fn step(&self, what: impl Into<String>) {
         self.bar.set_message(what.into());
@@ -93,7 +107,7 @@ impl Lab {
         format!("freeform measure {scene} {options} --resolution {width}x{height}")
     }
 
-    fn frame(&self, scene: &Scene) -> Frame {
+    pub(super) fn frame(&self, scene: &Scene) -> Frame {
         let projection = scene.projection(self.size.0, self.size.1);
         Frame { projection, settings: scene.settings }
     }
@@ -104,24 +118,42 @@ impl Lab {
         for scene in scenes {
             prepared.push((PreparedScene::new(&self.renderer, scene)?, self.frame(scene)));
         }
+        self.time_frames(scenes.len(), |renderer, number| {
+            let (prepared, frame) = &mut prepared[number];
+            move_on(frame);
+            prepared.draw(renderer, frame).map(drop)
+        })
+    }
+
+    /// What frames take that are drawn by their number. On drivers that share the processor's cores this
+    /// is the wall clock around a finished frame; on others the longer of what the processor and the
+    /// device take for it, since they work side by side.
+    pub(super) fn time_frames(
+        &mut self,
+        count: usize,
+        mut draw: impl FnMut(&mut Renderer, usize) -> Result<()>,
+    ) -> Result<Vec<Timing>> {
         self.picture.bind();
-        let (renderer, gl) = (RefCell::new(&mut self.renderer), self.context.gl());
-        let mut frames: Vec<_> = prepared
-            .iter_mut()
-            .map(|(prepared, frame)| {
-                || {
-                    // Wherever the eye is, the view is another one.
-                    frame.projection.view.w_axis.x *= 1.0 + 1e-9;
-                    frame.projection.view.w_axis.x += 1e-9;
-                    prepared.draw(&mut renderer.borrow_mut(), frame)?;
-                    gpu::finish(gl);
-                    Ok(())
-                }
-            })
-            .collect();
-        let mut things: Vec<_> =
-            frames.iter_mut().map(|frame| frame as &mut dyn FnMut() -> Result<()>).collect();
-        in_turns(self.turns, &mut things)
+        let gl = self.context.gl();
+        let renderer = &mut self.renderer;
+        let Some(timer) = &self.timer else {
+            return in_turns_by(self.turns, count, |number| {
+                let start = Instant::now();
+                draw(renderer, number)?;
+                gpu::finish(gl);
+                Ok(start.elapsed())
+            });
+        };
+        in_turns_by(self.turns, count, |number| {
+            let mut told = Duration::ZERO;
+            let drawn = timer.time(|| {
+                let start = Instant::now();
+                draw(renderer, number)?;
+                told = start.elapsed();
+                Ok(())
+            })?;
+            Ok(told.max(drawn))
+        })
     }
 
     /// What each pixel of a scene's picture shows, and its triangles.
@@ -132,21 +164,20 @@ impl Lab {
         Ok((aovs, prepared.figures().triangles))
     }
 
-    /// Which pixels a scene covers by its method, at no level.
-    pub(super) fn coverage(&self, scene: &Scene) -> Result<Coverage> {
-        let projection = self.frame(scene).projection;
-        reference::coverage(scene, &projection, UVec2::from(self.size), scene.settings.method)
-    }
-
-    /// How far a scene's picture is from its surfaces, and its triangles.
-    pub(super) fn errors(
-        &mut self,
-        scene: &Scene,
-        coverage: &Coverage,
-    ) -> Result<(Measurement, u64)> {
+    /// How far what is drawn of a scene is from its surfaces, and its triangles.
+    pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, u64)> {
         let (aovs, triangles) = self.numbers(scene)?;
         let projection = self.frame(scene).projection;
-        Ok((measure(scene, &projection, &aovs, coverage), triangles))
+        Ok((measure_drawn(scene, &projection, &aovs), triangles))
+    }
+
+    /// The same, and what is missing or too much.
+    pub(super) fn errors_and_silhouette(&mut self, scene: &Scene) -> Result<(Measurement, u64)> {
+        let (aovs, triangles) = self.numbers(scene)?;
+        let projection = self.frame(scene).projection;
+        let method = scene.settings.method;
+        let coverage = reference::coverage(scene, &projection, UVec2::from(self.size), method)?;
+        Ok((measure(scene, &projection, &aovs, &coverage), triangles))
     }
 
     /// Whether the trims of a scene of one surface keep each pixel that it would cover without them:
@@ -177,6 +208,28 @@ impl Lab {
         Ok(wrong(kept, &drawn, self.size.0 as usize))
     }
 
+    /// The functions of the context, for objects of a section's own.
+    pub(super) fn gl(&self) -> Arc<glow::Context> {
+        Arc::clone(self.context.gl())
+    }
+
+    /// A scene in the driver's memory.
+    pub(super) fn prepare(&self, scene: &Scene) -> Result<PreparedScene> {
+        PreparedScene::new(&self.renderer, scene)
+    }
+
+    /// How far static triangles are from the surfaces of the scene that they stand for.
+    pub(super) fn static_errors(
+        &mut self,
+        mesh: &StaticMesh,
+        look: &StaticLook<'_>,
+        scene: &Scene,
+    ) -> Result<Measurement> {
+        let frame = self.frame(scene);
+        let aovs = self.renderer.static_aovs(mesh, look, &self.numbers, &frame)?;
+        Ok(measure_drawn(scene, &frame.projection, &aovs))
+    }
+
     /// The corners of the triangles that a scene is drawn with.
     pub(super) fn triangles(&mut self, scene: &Scene) -> Result<Vec<DrawnVertex>> {
         self.picture.bind();
@@ -197,6 +250,12 @@ impl Lab {
             Err(Error::Driver { what: "a picture".into(), reason: complaints.join("; ") })
         }
     }
+}
+
+/// Moves the camera on by nearly nothing: wherever the eye is, the view is another one.
+pub(super) fn move_on(frame: &mut Frame) {
+    frame.projection.view.w_axis.x *= 1.0 + 1e-9;
+    frame.projection.view.w_axis.x += 1e-9;
 }
 
 /// `kept` says of each pixel that the surface covers whether its trims keep it, `drawn` the same of each

@@ -51,6 +51,7 @@ const COLUMNS: [(&str, Cell); 18] = [
 ];
 
 /// What stands above all sections.
+#[derive(Debug, Default)]
 pub(super) struct Head {
     pub(super) version: String,
     pub(super) driver: String,

@@ -26,6 +26,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         if lab.quick { &[4, 400, 40_000] } else { &[4, 40, 400, 4_000, 40_000, 100_000] };
     let triangles: &[usize] =
         if lab.quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
+    lab.begin(patches.len() + segments.len() + triangles.len());
     let mut lines = Vec::new();
     for (name, sizes, measure) in [
         ("patches", patches, of_patches as fn(&mut Lab, usize) -> Result<(Timing, Row)>),

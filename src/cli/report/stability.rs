@@ -27,6 +27,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     if lab.quick {
         cases.retain(|(name, _)| QUICK.contains(&name.as_str()));
     }
+    lab.begin(cases.len());
     let (mut better, mut wrong) = (0, Vec::new());
     for (case, path) in &cases {
         lab.step(format!("stability: {case}"));
@@ -109,8 +110,7 @@ fn row_of(
         let wrong = lab.wrong(scene, &kept)?;
         (wrong.pixels, Row { max_wrong_distance: Some(wrong.distance), ..row })
     } else {
-        let coverage = lab.coverage(scene)?;
-        let (errors, triangles) = lab.errors(scene, &coverage)?;
+        let (errors, triangles) = lab.errors_and_silhouette(scene)?;
         (errors.silhouette_pixels, row.measured(&errors, triangles))
     };
     section.rows.push(Row {

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use freeform_surface::reference::Coverage;
 use freeform_surface::{Method, Result, Scene, TessLevel, Tessellation, Tolerance};
 
 use super::Section;
@@ -77,6 +76,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          surface's own point on the screen, in f64. Thesis normals are wrong within a patch; the \
          last columns show by how much.",
     );
+    lab.begin(SCENES.len());
     for (scene_name, path) in SCENES {
         lab.step(format!("tessellation: {scene_name}"));
         let mut scene = lab.scene(path)?;
@@ -86,13 +86,8 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         let timings = lab.time(&scenes)?;
         let file = lab.path(path).display().to_string();
         let mut lines: Vec<Line> = Vec::new();
-        let mut covered: Option<(Method, Coverage)> = None;
         for ((way, scene), timing) in ways.iter().zip(&scenes).zip(timings) {
-            let covered = match covered.take().filter(|(method, _)| *method == way.method) {
-                Some(known) => covered.insert(known),
-                None => covered.insert((way.method, lab.coverage(scene)?)),
-            };
-            let (errors, triangles) = lab.errors(scene, &covered.1)?;
+            let (errors, triangles) = lab.errors(scene)?;
             let (level, tolerance) = match way.tessellation {
                 Tessellation::Level(level) => (Some(level.get()), None),
                 Tessellation::Within(tolerance) => (None, Some(tolerance.pixels())),

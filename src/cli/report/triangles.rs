@@ -37,6 +37,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         ("phong", Smoothing::Phong(Alpha::default())),
     ];
     let levels: &[i64] = if lab.quick { &[1, 3, 8] } else { &[1, 2, 3, 4, 8, 16, 32] };
+    lab.begin(SHAPES.len());
     for (shape, path, distance) in SHAPES {
         lab.step(format!("triangles: {shape}"));
         let file = lab.path(path);

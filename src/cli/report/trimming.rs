@@ -31,6 +31,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          missing among pixels that they keep. The distance is that of the furthest wrong pixel from \
          the loops' border, in pixels.",
     );
+    lab.begin(FIGURES.count() + DEFECTS.count());
     for figure in FIGURES {
         lab.step(format!("trimming: figure {figure}"));
         rows_of(lab, figure, &mut section)?;

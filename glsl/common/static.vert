@@ -1,0 +1,33 @@
+// Triangles that were made beforehand: what tessellation is measured against. It hands the fragment
+// stage of either method what an evaluation stage would.
+
+layout(location = 0) in vec4 vertexPosition; // world space; w holds u
+layout(location = 1) in vec4 vertexNormal;   // world space; w holds v
+#ifdef AOV
+layout(location = 2) in uint vertexPatch;
+#endif
+
+layout(location = 2) uniform mat4 viewMatrix;
+layout(location = 3) uniform mat4 projectionMatrix;
+
+layout(location = 0) out vec3 passNormal;
+layout(location = 1) out vec2 passTessCoord;
+layout(location = 2) out vec4 position;
+#ifdef AOV
+layout(location = 3) flat out uint passPatch;
+#else
+layout(location = 4) out vec2 passUVCoord; // the thesis' second pair
+#endif
+
+void main()
+{
+    passNormal = normalize(mat3(viewMatrix) * vertexNormal.xyz);
+    passTessCoord = vec2(vertexPosition.w, vertexNormal.w);
+    position = viewMatrix * vec4(vertexPosition.xyz, 1.0);
+    gl_Position = projectionMatrix * position;
+#ifdef AOV
+    passPatch = vertexPatch;
+#else
+    passUVCoord = passTessCoord;
+#endif
+}

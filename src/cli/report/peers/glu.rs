@@ -1,0 +1,346 @@
+//! libGLU's NURBS tessellator: patches in, triangles within an error on the screen out, through callbacks
+//! and without a call of OpenGL (`GLU_NURBS_TESSELLATOR`).
+#![allow(unsafe_code, reason = "a C library that is loaded while the program runs")]
+
+use std::ffi::{c_float, c_int, c_uint, c_void};
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use freeform_surface::renderer::StaticVertex;
+use freeform_surface::{Degree, Projection, Scene};
+use glam::{DVec3, DVec4};
+use libloading::Library;
+
+type Nurbs = *mut c_void;
+type Property = unsafe extern "C" fn(Nurbs, c_uint, c_float);
+type Callback = unsafe extern "C" fn(Nurbs, c_uint, *const c_void);
+type WithData = unsafe extern "C" fn(Nurbs, *mut c_void);
+type WithNurbs = unsafe extern "C" fn(Nurbs);
+type Matrices = unsafe extern "C" fn(Nurbs, *const c_float, *const c_float, *const c_int);
+type Curve = unsafe extern "C" fn(Nurbs, c_int, *mut c_float, c_int, *mut c_float, c_int, c_uint);
+type NurbsSurface = unsafe extern "C" fn(
+    Nurbs,
+    c_int,
+    *mut c_float,
+    c_int,
+    *mut c_float,
+    c_int,
+    c_int,
+    *mut c_float,
+    c_int,
+    c_int,
+    c_uint,
+);
+
+// The names and numbers of GL/glu.h and GL/gl.h.
+const GLU_NURBS_MODE: c_uint = 100_160;
+const GLU_NURBS_TESSELLATOR: c_float = 100_161.0;
+const GLU_AUTO_LOAD_MATRIX: c_uint = 100_200;
+const GLU_CULLING: c_uint = 100_201;
+const GLU_PARAMETRIC_TOLERANCE: c_uint = 100_202;
+const GLU_DISPLAY_MODE: c_uint = 100_204;
+const GLU_SAMPLING_METHOD: c_uint = 100_205;
+const GLU_PARAMETRIC_ERROR: c_float = 100_216.0;
+const GLU_FILL: c_float = 100_012.0;
+const GLU_ERROR: c_uint = 100_103;
+const GLU_NURBS_BEGIN_DATA: c_uint = 100_170;
+const GLU_NURBS_VERTEX_DATA: c_uint = 100_171;
+const GLU_NURBS_NORMAL_DATA: c_uint = 100_172;
+const GLU_NURBS_TEXTURE_COORD_DATA: c_uint = 100_174;
+const GLU_NURBS_END_DATA: c_uint = 100_175;
+const GLU_MAP1_TRIM_2: c_uint = 100_210;
+const GL_MAP2_TEXTURE_COORD_2: c_uint = 0x0DB4;
+const GL_MAP2_VERTEX_3: c_uint = 0x0DB7;
+const GL_TRIANGLES: c_uint = 4;
+const GL_TRIANGLE_FAN: c_uint = 6;
+
+/// The last error that the library called; 0 if none. Its callback knows of no tessellator.
+static ERROR: AtomicU32 = AtomicU32::new(0);
+
+/// A tessellator with the triangles that it made last.
+pub(super) struct Glu {
+    nurbs: Nurbs,
+    delete: WithNurbs,
+    property: Property,
+    load_matrices: Matrices,
+    begin_surface: WithNurbs,
+    surface: NurbsSurface,
+    end_surface: WithNurbs,
+    begin_trim: WithNurbs,
+    curve: Curve,
+    end_trim: WithNurbs,
+    /// On the heap, because the library keeps its address.
+    made: Box<Triangles>,
+    // Last: the functions are its.
+    _library: Library,
+}
+
+/// What the callbacks gather.
+#[derive(Debug, Default)]
+pub(super) struct Triangles {
+    pub(super) vertices: Vec<StaticVertex>,
+    pub(super) indices: Vec<u32>,
+    /// Of the primitive that is being made.
+    mode: c_uint,
+    first: usize,
+    normal: [f32; 3],
+    uv: [f32; 2],
+    patch: u32,
+}
+
+/// The patches of a scene as the library reads them.
+#[derive(Debug)]
+pub(super) struct Patches {
+    /// World space, x, y and z; points along u follow one another.
+    points: Vec<[c_float; 3]>,
+    side: usize,
+}
+
+impl Patches {
+    /// The patches of a scene's surfaces, which must be polynomial and of one degree.
+    pub(super) fn of(scene: &Scene) -> Self {
+        let side = scene.surfaces.first().map_or(Degree::Cubic, |surface| surface.degree()).side();
+        let world = |surface: &freeform_surface::Surface| {
+            let transform = surface.transform;
+            let points = surface.control_points().to_vec();
+            points
+                .into_iter()
+                .map(move |point: DVec4| (transform * point).truncate().as_vec3().to_array())
+        };
+        Self { points: scene.surfaces.iter().flat_map(world).collect(), side }
+    }
+}
+
+impl Glu {
+    /// Loads the library.
+    ///
+    /// # Errors
+    /// It is not installed, or lacks something: why, in words.
+    pub(super) fn load() -> Result<Self, String> {
+        let fail = |error: libloading::Error| error.to_string();
+        // SAFETY: the library is a C library without initialisers that matter to us; its functions have
+        // the types of GL/glu.h; the tessellator is deleted before the library goes.
+        unsafe {
+            let library = Library::new("libGLU.so.1").map_err(fail)?;
+            macro_rules! function {
+                ($name:literal: $type:ty) => {
+                    *library.get::<$type>($name.as_bytes()).map_err(fail)?
+                };
+            }
+            let new = function!("gluNewNurbsRenderer": unsafe extern "C" fn() -> Nurbs);
+            let callback = function!("gluNurbsCallback": Callback);
+            let callback_data = function!("gluNurbsCallbackData": WithData);
+            let nurbs = new();
+            if nurbs.is_null() {
+                return Err("libGLU has no memory for a tessellator".into());
+            }
+            let mut glu = Self {
+                nurbs,
+                delete: function!("gluDeleteNurbsRenderer": WithNurbs),
+                property: function!("gluNurbsProperty": Property),
+                load_matrices: function!("gluLoadSamplingMatrices": Matrices),
+                begin_surface: function!("gluBeginSurface": WithNurbs),
+                surface: function!("gluNurbsSurface": NurbsSurface),
+                end_surface: function!("gluEndSurface": WithNurbs),
+                begin_trim: function!("gluBeginTrim": WithNurbs),
+                curve: function!("gluNurbsCurve": Curve),
+                end_trim: function!("gluEndTrim": WithNurbs),
+                made: Box::default(),
+                _library: library,
+            };
+            for (property, value) in [
+                (GLU_NURBS_MODE, GLU_NURBS_TESSELLATOR),
+                (GLU_AUTO_LOAD_MATRIX, 0.0),
+                (GLU_CULLING, 1.0),
+                (GLU_DISPLAY_MODE, GLU_FILL),
+                (GLU_SAMPLING_METHOD, GLU_PARAMETRIC_ERROR),
+            ] {
+                (glu.property)(nurbs, property, value);
+            }
+            for (which, function) in [
+                (GLU_NURBS_BEGIN_DATA, begin as *const c_void),
+                (GLU_NURBS_VERTEX_DATA, vertex as *const c_void),
+                (GLU_NURBS_NORMAL_DATA, normal as *const c_void),
+                (GLU_NURBS_TEXTURE_COORD_DATA, texture_coordinate as *const c_void),
+                (GLU_NURBS_END_DATA, end as *const c_void),
+                (GLU_ERROR, error as *const c_void),
+            ] {
+                callback(nurbs, which, function);
+            }
+            callback_data(nurbs, std::ptr::from_mut(&mut *glu.made).cast());
+            Ok(glu)
+        }
+    }
+
+    /// The triangles of patches, seen so in so many pixels, off by at most `tolerance` pixels.
+    ///
+    /// # Errors
+    /// What the library complains of, by its number.
+    pub(super) fn tessellate(
+        &mut self,
+        patches: &Patches,
+        projection: &Projection,
+        (width, height): (u32, u32),
+        tolerance: f64,
+    ) -> Result<&Triangles, String> {
+        let view = projection.view.as_mat4().to_cols_array();
+        let to_clip = projection.projection.as_mat4().to_cols_array();
+        let viewport = [0, 0, width as c_int, height as c_int];
+        self.made.vertices.clear();
+        self.made.indices.clear();
+        ERROR.store(0, Ordering::Relaxed);
+        let side = patches.side as c_int;
+        // A Bézier patch's: all of them at its two ends.
+        let mut knots = [0.0; 10];
+        knots[patches.side..].fill(1.0);
+        let knots = &mut knots[..2 * patches.side];
+        let mut ends = [0.0, 0.0, 1.0, 1.0];
+        let mut domain = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        // SAFETY: all arrays have the lengths that the numbers beside them tell, and live until the
+        // calls return, which is as long as the library reads them; it calls back on this thread.
+        unsafe {
+            (self.load_matrices)(self.nurbs, view.as_ptr(), to_clip.as_ptr(), viewport.as_ptr());
+            (self.property)(self.nurbs, GLU_PARAMETRIC_TOLERANCE, tolerance as c_float);
+            for (number, points) in
+                (0..).zip(patches.points.chunks_exact(patches.side * patches.side))
+            {
+                self.made.patch = number;
+                let mut points = points.as_flattened().to_vec();
+                (self.begin_surface)(self.nurbs);
+                (self.surface)(
+                    self.nurbs,
+                    4,
+                    ends.as_mut_ptr(),
+                    4,
+                    ends.as_mut_ptr(),
+                    2,
+                    4,
+                    domain.as_mut_ptr(),
+                    2,
+                    2,
+                    GL_MAP2_TEXTURE_COORD_2,
+                );
+                (self.surface)(
+                    self.nurbs,
+                    2 * side,
+                    knots.as_mut_ptr(),
+                    2 * side,
+                    knots.as_mut_ptr(),
+                    3,
+                    3 * side,
+                    points.as_mut_ptr(),
+                    side,
+                    side,
+                    GL_MAP2_VERTEX_3,
+                );
+                (self.begin_trim)(self.nurbs);
+                // Counter-clockwise. As curves they are sampled as finely as the surface beside them.
+                for [from, to] in [[0, 1], [1, 3], [3, 2], [2, 0]] {
+                    let corner = |corner: i32| [(corner % 2) as c_float, (corner / 2) as c_float];
+                    let mut line = [corner(from), corner(to)];
+                    let ends = ends.as_mut_ptr();
+                    let line = line.as_flattened_mut().as_mut_ptr();
+                    (self.curve)(self.nurbs, 4, ends, 2, line, 2, GLU_MAP1_TRIM_2);
+                }
+                (self.end_trim)(self.nurbs);
+                (self.end_surface)(self.nurbs);
+            }
+        }
+        match ERROR.load(Ordering::Relaxed) {
+            0 => Ok(&self.made),
+            error => Err(format!("libGLU calls error {error}")),
+        }
+    }
+}
+
+impl Drop for Glu {
+    fn drop(&mut self) {
+        // SAFETY: the tessellator is ours and used no more.
+        unsafe { (self.delete)(self.nurbs) }
+    }
+}
+
+impl Triangles {
+    /// Triangles of a primitive whose vertices are there from `first` on.
+    fn close(&mut self) {
+        let first = self.first as u32;
+        let count = (self.vertices.len() - self.first) as u32;
+        let last = count.saturating_sub(2);
+        match self.mode {
+            GL_TRIANGLES => self.indices.extend(first..first + count / 3 * 3),
+            GL_TRIANGLE_FAN => {
+                self.indices.extend((0..last).flat_map(|i| [first, first + i + 1, first + i + 2]));
+            }
+            // Triangle and quad strips alike.
+            _ => self.indices.extend((0..last).flat_map(|i| {
+                let [a, b] = if i % 2 == 0 { [i, i + 1] } else { [i + 1, i] };
+                [first + a, first + b, first + i + 2]
+            })),
+        }
+    }
+}
+
+/// What a callback writes to.
+///
+/// # Safety
+/// `data` is what [`Glu::load`] told the library, and the library is within a call of
+/// [`Glu::tessellate`], which has no other use for it meanwhile.
+unsafe fn triangles<'a>(data: *mut c_void) -> &'a mut Triangles {
+    // SAFETY: as above.
+    unsafe { &mut *data.cast::<Triangles>() }
+}
+
+unsafe extern "C" fn begin(mode: c_uint, data: *mut c_void) {
+    // SAFETY: called by the library with its data.
+    let made = unsafe { triangles(data) };
+    (made.mode, made.first) = (mode, made.vertices.len());
+}
+
+unsafe extern "C" fn vertex(position: *const c_float, data: *mut c_void) {
+    // SAFETY: called by the library with its data and three coordinates.
+    let (made, position) = unsafe { (triangles(data), *position.cast::<[f32; 3]>()) };
+    let [u, v] = made.uv;
+    let (normal, patch) = (made.normal, made.patch);
+    made.vertices.push(StaticVertex { position, u, normal, v, patch });
+}
+
+unsafe extern "C" fn normal(normal: *const c_float, data: *mut c_void) {
+    // SAFETY: called by the library with its data and three coordinates.
+    let (made, normal) = unsafe { (triangles(data), *normal.cast::<[f32; 3]>()) };
+    // Su × Sv.
+    made.normal = (-DVec3::from(normal.map(f64::from))).as_vec3().to_array();
+}
+
+unsafe extern "C" fn texture_coordinate(uv: *const c_float, data: *mut c_void) {
+    // SAFETY: called by the library with its data and at least two coordinates.
+    let (made, uv) = unsafe { (triangles(data), *uv.cast::<[f32; 2]>()) };
+    made.uv = uv;
+}
+
+unsafe extern "C" fn end(data: *mut c_void) {
+    // SAFETY: called by the library with its data.
+    unsafe { triangles(data) }.close();
+}
+
+unsafe extern "C" fn error(error: c_uint) {
+    ERROR.store(error, Ordering::Relaxed);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_become_triangles_that_face_alike() {
+        let indices = |mode: c_uint, vertices: usize| {
+            let vertex = bytemuck::Zeroable::zeroed();
+            let vertices = vec![vertex; 1 + vertices];
+            let mut made = Triangles { vertices, mode, first: 1, ..Triangles::default() };
+            made.close();
+            made.indices
+        };
+        assert_eq!(indices(GL_TRIANGLES, 6), [1, 2, 3, 4, 5, 6]);
+        assert_eq!(indices(GL_TRIANGLE_FAN, 4), [1, 2, 3, 1, 3, 4]);
+        assert_eq!(indices(5, 4), [1, 2, 3, 3, 2, 4]);
+        assert!(indices(5, 0).is_empty());
+    }
+}

@@ -1,0 +1,116 @@
+//! The report on half a page, for a README: a table in Markdown.
+
+use std::fmt::Write as _;
+
+use super::page::Head;
+use super::peers::{LIBGLU, STATIC};
+use super::row::Row;
+
+/// Half a pixel of the teapot by all who drew it, and the trims of the thesis' figures 22–26, as far as
+/// the rows tell.
+pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
+    let mut text = format!(
+        "Measured by `freeform report` {} on {}, {}.\n\n\
+         | what | ms a frame | triangles | largest error, px | normals off, ° | wrong pixels |\n\
+         |---|--:|--:|--:|--:|--:|\n",
+        head.version, head.driver, head.machine
+    );
+    let mut line = |what: String, row: &Row| {
+        let cell = |text: Option<String>| text.unwrap_or_else(|| "–".into());
+        writeln!(
+            text,
+            "| {what} | {} | {} | {} | {} | {} |",
+            cell(row.ms.map(|v| format!("{v:.1}"))),
+            cell(row.triangles.map(|v| v.to_string())),
+            cell(row.max_error_px.map(|v| format!("{v:.2}"))),
+            cell(row.normal_error_deg.map(|v| format!("{v:.1}"))),
+            cell(row.wrong_pixels.map(|v| v.to_string())),
+        )
+        .expect("a string takes all");
+    };
+    let half = |row: &&&Row| row.tolerance == Some(0.5);
+    let peers = rows.iter().filter(|row| row.section == "peers").filter(half);
+    for row in peers.clone() {
+        let what = match row.method.as_str() {
+            LIBGLU => "libGLU, tessellated for each frame, to 0.5 px",
+            STATIC => "a static mesh of exact's triangles",
+            _ => "**exact, to 0.5 px**",
+        };
+        line(format!("teapot, 1920×1080: {what}"), row);
+    }
+    let teapot =
+        || rows.iter().filter(|row| (row.section, &*row.scene) == ("tessellation", "teapot"));
+    if let Some(row) = teapot().find(half) {
+        line("teapot, smaller: **exact, to 0.5 px**".into(), row);
+    }
+    let holds = |row: &&&Row| row.method == "thesis" && row.max_error_px.is_some_and(|e| e <= 0.5);
+    if let Some((row, level)) =
+        teapot().filter(holds).filter_map(|row| Some((row, row.level?))).min_by_key(|(_, at)| *at)
+    {
+        line(format!("teapot, smaller: thesis, level {level}, found by hand"), row);
+    }
+    for (method, iterations, what) in
+        [("exact", None, "**exact**"), ("thesis", Some(10), "thesis, 10 iterations, epsilon 0.001")]
+    {
+        let of = |row: &&&Row| {
+            row.section == "trimming"
+                && row.method == method
+                && row.ms.is_some()
+                && row.iterations == iterations
+                && row.epsilon.is_none_or(|epsilon| epsilon == 1e-3)
+        };
+        if rows.iter().any(|row| of(&row)) {
+            let trims = || rows.iter().filter(of);
+            let all = Row {
+                ms: trims().map(|row| row.ms).sum(),
+                wrong_pixels: trims().map(|row| row.wrong_pixels).sum(),
+                ..Row::default()
+            };
+            line(format!("trims, figures 22–26 together: {what}"), &all);
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_summed_up_as_a_table() {
+        let row = |section, scene: &str, method: &str, ms| Row {
+            ms: Some(ms),
+            ..Row::new(section, scene, method)
+        };
+        let at_half = |row| Row { tolerance: Some(0.5), max_error_px: Some(0.25), ..row };
+        let level = |level, error| Row {
+            level: Some(level),
+            max_error_px: Some(error),
+            ..row("tessellation", "teapot", "thesis", 2.0)
+        };
+        let trim =
+            |wrong, ms| Row { wrong_pixels: Some(wrong), ..row("trimming", "figure", "exact", ms) };
+        let rows = [
+            at_half(row("peers", "teapot", "exact", 1.5)),
+            at_half(row("peers", "teapot", LIBGLU, 3.0)),
+            level(64, 0.1),
+            level(32, 0.4),
+            level(16, 0.9),
+            trim(1, 1.0),
+            trim(2, 2.5),
+            Row { ms: None, ..trim(9, 0.0) },
+        ];
+        let head = Head { driver: "a driver".into(), ..Head::default() };
+        let text = summary(&head, &rows.each_ref());
+        for words in [
+            "on a driver",
+            "| teapot, 1920×1080: **exact, to 0.5 px** | 1.5 | – | 0.25 | – | – |",
+            "libGLU, tessellated for each frame, to 0.5 px | 3.0",
+            "thesis, level 32, found by hand | 2.0 | – | 0.40",
+            "**exact** | 3.5 | – | – | – | 3 |",
+        ] {
+            assert!(text.contains(words), "{words}: {text}");
+        }
+        assert_eq!(text.lines().count(), 8, "{text}");
+    }
+}

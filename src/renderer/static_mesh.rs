@@ -1,0 +1,173 @@
+//! Triangles that were made beforehand, through the fragment stages of surfaces: what tessellation is
+//! measured against.
+#![allow(unsafe_code, reason = "drawing is unsafe in glow")]
+
+use std::sync::Arc;
+
+use bytemuck::{Pod, Zeroable};
+use glow::HasContext;
+
+use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
+use super::{Frame, Renderer, set_for_aovs};
+use crate::gpu::{Buffer, FloatTarget, Target, Texture, VertexArray};
+use crate::{Aovs, Method, Result, Shading};
+
+/// A corner of triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct StaticVertex {
+    /// World space.
+    pub position: [f32; 3],
+    /// First coordinate in the domain.
+    pub u: f32,
+    /// World space, of any length, Sv × Su as the thesis has it.
+    pub normal: [f32; 3],
+    /// Second coordinate in the domain.
+    pub v: f32,
+    /// The patch's number in the scene.
+    pub patch: u32,
+}
+
+/// Triangles in the driver's memory.
+#[derive(Debug)]
+pub struct StaticMesh {
+    gl: Arc<glow::Context>,
+    vertices: Buffer,
+    indices: Buffer,
+    count: usize,
+    array: VertexArray,
+}
+
+impl StaticMesh {
+    /// Uploads triangles: three indices of vertices each. Neither may be empty.
+    ///
+    /// # Errors
+    /// No memory for them, or 2 GiB and more.
+    pub fn new(
+        gl: &Arc<glow::Context>,
+        vertices: &[StaticVertex],
+        indices: &[u32],
+    ) -> Result<Self> {
+        Ok(Self {
+            gl: Arc::clone(gl),
+            vertices: Buffer::new(gl, "vertices of triangles", vertices)?,
+            indices: Buffer::new(gl, "indices of triangles", indices)?,
+            count: indices.len(),
+            array: VertexArray::of_static(gl)?,
+        })
+    }
+
+    /// Replaces the triangles; buffers that are large enough are used again.
+    ///
+    /// # Errors
+    /// As [`StaticMesh::new`].
+    pub fn replace(&mut self, vertices: &[StaticVertex], indices: &[u32]) -> Result<()> {
+        refill(&self.gl, &mut self.vertices, "vertices of triangles", vertices)?;
+        refill(&self.gl, &mut self.indices, "indices of triangles", indices)?;
+        self.count = indices.len();
+        Ok(())
+    }
+
+    /// How many triangles there are.
+    #[must_use]
+    pub const fn triangles(&self) -> usize {
+        self.count / 3
+    }
+}
+
+fn refill<T: Pod>(
+    gl: &Arc<glow::Context>,
+    buffer: &mut Buffer,
+    label: &str,
+    values: &[T],
+) -> Result<()> {
+    if size_of_val(values) <= buffer.bytes() {
+        buffer.write(0, values);
+    } else {
+        *buffer = Buffer::new(gl, label, values)?;
+    }
+    Ok(())
+}
+
+/// How static triangles are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct StaticLook<'a> {
+    /// Whose fragment stage.
+    pub method: Method,
+    /// Its light.
+    pub shading: Shading,
+    /// The trims that are compiled in: of the thesis' method alone. Their uniforms are set on
+    /// [`Renderer::program`] of [`StaticLook::key`], where they stay.
+    pub trims: TrimFeatures,
+    /// The surface's picture.
+    pub texture: &'a Texture,
+}
+
+impl StaticLook<'_> {
+    /// The program that draws so.
+    #[must_use]
+    pub const fn key(&self, output: Output) -> ProgramKey {
+        let pipeline = Pipeline::Static(self.method);
+        ProgramKey { pipeline, shading: self.shading, trims: self.trims, output }
+    }
+}
+
+impl Renderer {
+    /// Draws static triangles into the bound framebuffer.
+    ///
+    /// # Errors
+    /// A shader that the driver does not take.
+    pub fn draw_static(
+        &mut self,
+        mesh: &StaticMesh,
+        look: &StaticLook<'_>,
+        frame: &Frame,
+    ) -> Result<()> {
+        self.draw_static_to(mesh, look, frame, Output::Picture)
+    }
+
+    /// What each pixel of static triangles shows, at its centre.
+    ///
+    /// # Errors
+    /// As [`Renderer::draw_static`].
+    pub fn static_aovs(
+        &mut self,
+        mesh: &StaticMesh,
+        look: &StaticLook<'_>,
+        target: &FloatTarget,
+        frame: &Frame,
+    ) -> Result<Aovs> {
+        target.bind_cleared();
+        self.draw_static_to(mesh, look, frame, Output::Aovs)?;
+        Ok(target.aovs())
+    }
+
+    fn draw_static_to(
+        &mut self,
+        mesh: &StaticMesh,
+        look: &StaticLook<'_>,
+        frame: &Frame,
+        output: Output,
+    ) -> Result<()> {
+        let program = self.program(look.key(output))?;
+        program.bind();
+        program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
+        program.set_mat4(location::PROJECTION, &frame.projection.projection.as_mat4());
+        if output == Output::Aovs {
+            let target = Target::bound(&mesh.gl);
+            set_for_aovs(program, frame, &target);
+        }
+        look.texture.bind(0);
+        self.set_state(3, frame.settings.wireframe && output == Output::Picture);
+        mesh.array.bind_indexed(&mesh.vertices, &mesh.indices);
+        // SAFETY: the context is current (see the type); the buffer holds `count` indices of vertices,
+        // whose bytes fit an i32 since it was made.
+        unsafe {
+            let count = mesh.count as i32;
+            self.gl.draw_elements(glow::TRIANGLES, count, glow::UNSIGNED_INT, 0);
+        }
+        mesh.array.unbind();
+        self.release();
+        Ok(())
+    }
+}
