@@ -130,7 +130,8 @@ fn every_key_does_what_its_line_says() {
     screen.keys(&["7"]);
     assert_same("view-top", &still, &screen.picture(), &[], 0);
     screen.mouse(&["mousemove", "700", "560", "mousedown", "1"]);
-    screen.mouse(&["mousemove", "720", "450", "mouseup", "1"]);
+    screen.mouse_draws(&["mousemove", "720", "450"]);
+    screen.mouse(&["mouseup", "1"]);
     assert!(changed(&still, &screen.picture()) > 500, "the mouse turns the camera");
     screen.mouse(&["mousemove", "500", "590"]);
     screen.keys(&["5"]);
@@ -249,7 +250,8 @@ fn a_dragged_point_is_where_the_mouse_is_and_a_trim_takes_its_pixels() {
     // The left front corner.
     let from = place(&scene, scene.surfaces[0].control_points()[0].truncate());
     let to = dvec2(60.0, 480.0);
-    screen.mouse(&["mousemove", &format!("{}", from.x as i32 + 6), &format!("{}", from.y as i32)]);
+    let beside = [format!("{}", from.x as i32 + 6), format!("{}", from.y as i32)];
+    screen.mouse_draws(&["mousemove", &beside[0], &beside[1]]);
     let hovered = screen.picture();
     let gold = |picture: &Image| {
         picture
@@ -261,8 +263,8 @@ fn a_dragged_point_is_where_the_mouse_is_and_a_trim_takes_its_pixels() {
     screen.mouse(&["mousemove", &format!("{}", from.x as i32), &format!("{}", from.y as i32)]);
     screen.mouse(&["mousedown", "1"]);
     let (x, y) = (to.x.to_string(), to.y.to_string());
-    screen.mouse(&["mousemove", "100", "500"]);
-    screen.mouse(&["mousemove", &x, &y]);
+    screen.mouse_draws(&["mousemove", "100", "500"]);
+    screen.mouse_draws(&["mousemove", &x, &y]);
     screen.mouse(&["mouseup", "1"]);
     let moved = screen.picture();
     let blue = |picture: &Image, place: DVec2| {
@@ -296,9 +298,9 @@ fn a_trim_is_pulled_in_the_panel() {
     screen.mouse(&["mousemove", &from[0], &from[1]]);
     screen.mouse(&["mousedown", "1"]);
     for step in [10, 20] {
-        screen.mouse(&["mousemove", &(x + step).to_string(), &(y - step).to_string()]);
+        screen.mouse_draws(&["mousemove", &(x + step).to_string(), &(y - step).to_string()]);
     }
-    screen.mouse(&["mousemove", &to[0], &to[1]]);
+    screen.mouse_draws(&["mousemove", &to[0], &to[1]]);
     screen.mouse(&["mouseup", "1"]);
     screen.mouse(&["mousemove", "500", "590"]);
     assert!(changed(&before, &screen.picture()) > 5_000, "the hole moves");

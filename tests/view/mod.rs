@@ -157,6 +157,14 @@ impl Screen {
         self.rest();
     }
 
+    /// Moves or presses the mouse so that something is drawn anew.
+    pub(crate) fn mouse_draws(&mut self, arguments: &[&str]) {
+        let before = self.frames();
+        self.xdotool(arguments);
+        self.wait_for_frame(before, "the mouse");
+        self.rest();
+    }
+
     /// Gives the window another size.
     pub(crate) fn resize(&mut self, width: &str, height: &str) {
         let before = self.frames();
