@@ -6,13 +6,16 @@ cd "$(dirname "$0")"
 # Both backends, whether installed or not: a missing one must fail here.
 export FREEFORM_TEST_BACKENDS="${FREEFORM_TEST_BACKENDS:-egl,osmesa}"
 
+# The report's page is looked at by a browser.
+export FREEFORM_TEST_CHROMIUM=1
+
+sh setup.sh check
 cargo fmt --check
 cargo clippy --release --all-targets --features viewer -- -D warnings
 cargo clippy --release -- -D warnings
 cargo clippy --release --no-default-features -- -D warnings
 cargo test --release --no-default-features
 RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items --features viewer
-sh setup.sh tests
 cargo test --release --features viewer --bin freeform --test view_window --example demo
 # The command of the README, word for word.
 sh setup.sh tests && cargo test --release

@@ -1,8 +1,9 @@
 #!/bin/sh
 # Installs what the program needs to draw without a GPU: Mesa's EGL driver. With `tests` it also
 # installs a C compiler, OSMesa, and a display without a screen with its keys and mouse (Xvfb, xdotool and
-# the X libraries of a window), which the tests need. Debian and Ubuntu; elsewhere it says what
-# to install. Does nothing where everything is there.
+# the X libraries of a window), which the tests need, and with `check` also libGLU and Chromium, by which
+# the report is checked. Debian and Ubuntu; elsewhere it says what to install. Does nothing where everything
+# is there.
 set -eu
 
 has_library() {
@@ -29,7 +30,11 @@ any_file /usr/lib/*/dri/swrast_dri.so /usr/lib/*/dri/libdril_dri.so /usr/lib/*/l
     /usr/lib64/dri/swrast_dri.so || need libgl1-mesa-dri
 command -v cc >/dev/null 2>&1 || need gcc
 any_file /usr/lib/*/crt1.o /usr/lib64/crt1.o /usr/lib/crt1.o || need libc6-dev
-if [ "${1:-}" = tests ]; then
+if [ "${1:-}" = check ]; then
+    has_library libGLU.so.1 || need libglu1-mesa
+    command -v chromium >/dev/null 2>&1 || command -v google-chrome >/dev/null 2>&1 || need chromium
+fi
+if [ "${1:-}" = tests ] || [ "${1:-}" = check ]; then
     has_library libOSMesa.so || osmesa=libosmesa6
     for program in Xvfb:xvfb xdotool:xdotool; do
         command -v "${program%:*}" >/dev/null 2>&1 || need "${program#*:}"

@@ -12,21 +12,16 @@ use std::time::{Duration, Instant};
 use criterion::Criterion;
 use freeform_surface::gpu::{self, Framebuffer};
 use freeform_surface::reference::thesis_normal;
+use freeform_surface::renderer::StaticLook;
+use freeform_surface::renderer::programs::{Output, TrimFeatures, location};
 use freeform_surface::{
-    Backend, Degree, Frame, Headless, PreparedScene, Renderer, Scene, Surface, TessLevel,
-    Tessellation,
+    Backend, Degree, Frame, Headless, Method, PreparedScene, Renderer, Scene, Shading, Surface,
+    TessLevel, Tessellation,
 };
 use glam::DVec4;
-use static_mesh::StaticMesh;
 
 const SIDE: u32 = 1024;
 const TURNS: usize = 25;
-/// The thesis' fragment stage.
-const FRAGMENT: [(&str, &str); 3] = [
-    ("phong.glsl", include_str!("../glsl/common/phong.glsl")),
-    ("trim.glsl", include_str!("../glsl/thesis/trim.glsl")),
-    ("surface.frag", include_str!("../glsl/thesis/surface.frag")),
-];
 
 /// The thesis' scene, or a field of 8×8 such patches.
 fn scene(patches: usize, level: u32, wireframe: bool) -> Scene {
@@ -69,13 +64,15 @@ fn main() {
         for wireframe in [false, true] {
             let scene = scene(patches, level, wireframe);
             let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
-            let mesh = StaticMesh::new(
-                gl,
-                &scene,
-                thesis_normal,
-                &[("PHONG", 1), ("TRIMMED", 1), ("CIRCLES", 1)],
-                &FRAGMENT,
-            );
+            let mesh = static_mesh::of_surface(gl, &scene, thesis_normal);
+            let surface = &scene.surfaces[0];
+            let texture = surface.paint.upload(gl).expect("the picture fits");
+            let look = StaticLook {
+                method: Method::Thesis,
+                shading: Shading::Phong,
+                trims: TrimFeatures { circles: true, ..TrimFeatures::NONE },
+                texture: &texture,
+            };
             let frame =
                 Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
             target.bind();
@@ -88,9 +85,15 @@ fn main() {
                 if wireframe { "lines" } else { "filled" }
             );
             criterion.bench_function(&format!("tessellated: {name}"), |b| b.iter(&mut tessellated));
-            let still = Renderer::new(gl).expect("a renderer");
+            let mut still = Renderer::new(gl).expect("a renderer");
+            let circle = surface.trims.circles[0];
+            let program = still.program(look.key(Output::Picture)).expect("it links");
+            program.set_i32(location::CIRC_BOOL, 1);
+            program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());
+            program.set_f32(location::TRIM_RADIUS, circle.radius as f32);
             let mut static_mesh = || {
-                mesh.draw(black_box(&still), &frame);
+                still.clear(frame.settings.background);
+                still.draw_static(black_box(&mesh), &look, &frame).expect("it draws");
                 gpu::finish(gl);
             };
             criterion.bench_function(&format!("static mesh: {name}"), |b| b.iter(&mut static_mesh));

@@ -13,14 +13,15 @@ mod turns;
 use std::hint::black_box;
 
 use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::renderer::StaticLook;
+use freeform_surface::renderer::programs::TrimFeatures;
 use freeform_surface::{
-    Alpha, Backend, CurvedTriangle, Frame, HalfedgeMesh, Headless, Mesh, MeshModel, PnTriangle,
-    PreparedScene, RenderSettings, Renderer, Scene, SmoothTriangle, Smoothing, TessLevel,
-    Tessellation, Tolerance, smooth,
+    Alpha, Backend, CurvedTriangle, Frame, HalfedgeMesh, Headless, Mesh, MeshModel, Method, Paint,
+    PnTriangle, PreparedScene, RenderSettings, Renderer, Scene, Shading, SmoothTriangle, Smoothing,
+    TessLevel, Tessellation, Tolerance, smooth,
 };
 use glam::{DMat4, DVec3, dvec3};
 use shapes::torus;
-use static_mesh::StaticMesh;
 use turns::{in_turns, line};
 
 /// Of tori, whose triangles are four times the square of it.
@@ -143,11 +144,6 @@ fn scene_of(mesh: &Mesh, smoothing: Smoothing, tessellation: Tessellation) -> Sc
 /// as a static mesh with the same fragment stage.
 fn on_the_gpu() {
     const SIDE: u32 = 1024;
-    const FRAGMENT: [(&str, &str); 3] = [
-        ("normal.frag", include_str!("../glsl/common/normal.frag")),
-        ("phong.glsl", include_str!("../glsl/common/phong.glsl")),
-        ("surface.frag", include_str!("../glsl/exact/surface.frag")),
-    ];
     println!();
     let context = Headless::new(Backend::Auto).expect("an OpenGL context");
     let gl = context.gl();
@@ -166,17 +162,23 @@ fn on_the_gpu() {
             let frame =
                 Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
             let step = smooth(mesh.clone(), smoothing, 1).expect("a torus");
-            let grey = image::Rgba([204, 204, 204, 255]);
-            let defines = [("PHONG", 1), ("SAMPLES", 1)];
-            let still = StaticMesh::of_mesh(gl, &step, grey, &defines, &FRAGMENT);
-            let clearing = Renderer::new(gl).expect("a renderer");
+            let mesh_of_step = static_mesh::of_mesh(gl, &step);
+            let grey = Paint::Color([0.8; 3]).upload(gl).expect("a texel");
+            let look = StaticLook {
+                method: Method::Exact,
+                shading: Shading::Phong,
+                trims: TrimFeatures::NONE,
+                texture: &grey,
+            };
+            let mut still = Renderer::new(gl).expect("a renderer");
             let ms = in_turns(&mut [
                 &mut || {
                     prepared.draw(&mut renderer, &frame).expect("it draws");
                     gpu::finish(gl);
                 },
                 &mut || {
-                    still.draw(&clearing, &frame);
+                    still.clear(frame.settings.background);
+                    still.draw_static(&mesh_of_step, &look, &frame).expect("it draws");
                     gpu::finish(gl);
                 },
             ]);

@@ -11,21 +11,16 @@ mod turns;
 use std::sync::Arc;
 
 use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::renderer::StaticLook;
+use freeform_surface::renderer::programs::TrimFeatures;
 use freeform_surface::{
-    Backend, Camera, Degree, Frame, Headless, Interval, Lens, Normals, Patch, PreparedScene,
-    Renderer, Scene, Surface, TessLevel, Tessellation, Tolerance,
+    Backend, Camera, Degree, Frame, Headless, Interval, Lens, Method, Normals, Patch,
+    PreparedScene, Renderer, Scene, Shading, Surface, TessLevel, Tessellation, Tolerance,
 };
 use glam::{DVec3, DVec4, dvec2, dvec3};
-use static_mesh::StaticMesh;
 use turns::{in_turns, line};
 
 const SIDE: u32 = 1024;
-/// The exact method's fragment stage.
-const FRAGMENT: [(&str, &str); 3] = [
-    ("normal.frag", include_str!("../glsl/common/normal.frag")),
-    ("phong.glsl", include_str!("../glsl/common/phong.glsl")),
-    ("surface.frag", include_str!("../glsl/exact/surface.frag")),
-];
 /// Triangles of the largest static mesh.
 const MOST_TRIANGLES: usize = 2_000_000;
 
@@ -122,17 +117,19 @@ fn static_meshes(gl: &Arc<glow::Context>) {
             scene.settings.tessellation = level(cells);
             target.bind();
             let mut ours = Drawn::new(gl, &scene, (SIDE, SIDE));
-            let mesh = StaticMesh::new(
-                gl,
-                &scene,
-                exact_normal,
-                &[("PHONG", 1), ("SAMPLES", 1)],
-                &FRAGMENT,
-            );
+            let mesh = static_mesh::of_surface(gl, &scene, exact_normal);
+            let texture = scene.surfaces[0].paint.upload(gl).expect("the picture fits");
+            let look = StaticLook {
+                method: Method::Exact,
+                shading: Shading::Phong,
+                trims: TrimFeatures::NONE,
+                texture: &texture,
+            };
             let frame = ours.frame;
-            let still = Renderer::new(gl).expect("a renderer");
+            let mut still = Renderer::new(gl).expect("a renderer");
             let ms = in_turns(&mut [&mut || ours.draw(), &mut || {
-                mesh.draw(&still, &frame);
+                still.clear(frame.settings.background);
+                still.draw_static(&mesh, &look, &frame).expect("it draws");
                 gpu::finish(gl);
             }]);
             let bar = if cells >= 8 { "≤ 1.3" } else { "≤ 1.8" };

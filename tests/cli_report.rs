@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::process::Command;
+
 use common::program::{Folder, text};
 
 /// The project's scenes.
@@ -15,6 +17,29 @@ fn rows(folder: &Folder, section: &str) -> Vec<serde_json::Value> {
     let output = folder.run(&arguments);
     assert!(output.status.success(), "{output:?}");
     serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn peers_are_measured_beside_exact_or_named_as_missing() {
+    let rows = rows(&Folder::new(), "peers");
+    let of = |method: &str| rows.iter().find(|row| row["method"] == method);
+    let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
+    let (exact, floor) = (of("exact").expect("exact"), of("static mesh").expect("the floor"));
+    assert!(number(exact, "max_error_px") <= 0.5, "{exact}");
+    // The same triangles are off by the same.
+    assert_eq!(exact["triangles"], floor["triangles"]);
+    assert!((number(exact, "max_error_px") - number(floor, "max_error_px")).abs() < 0.01);
+    // libGLU keeps its promise on this model, if it is there.
+    if let Some(glu) = of("libGLU") {
+        assert!(
+            number(glu, "triangles") > 10_000.0 && number(glu, "max_error_px") <= 0.75,
+            "{glu}"
+        );
+        assert!(
+            number(glu, "rms_error_px") > 0.01 && number(glu, "normal_error_deg") < 10.0,
+            "{glu}"
+        );
+    }
 }
 
 #[test]
@@ -54,6 +79,70 @@ fn no_pixel_is_wrong_by_exact_trims() {
     // The thesis' own figures of what goes wrong do go wrong.
     let wrong = thesis.iter().find(|row| row["scene"] == "figure 28").expect("figure 28");
     assert!(wrong["wrong_pixels"].as_u64() > Some(100), "{wrong}");
+}
+
+/// A browser without a window; where `FREEFORM_TEST_CHROMIUM` is set it must be there.
+fn chromium() -> Option<&'static str> {
+    let is_there = |name: &&str| Command::new(name).arg("--version").output().is_ok();
+    let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(is_there);
+    let must = std::env::var_os("FREEFORM_TEST_CHROMIUM").is_some();
+    assert!(found.is_some() || !must, "no Chromium, which `sh setup.sh check` installs");
+    if found.is_none() {
+        eprintln!("left out: no Chromium");
+    }
+    found
+}
+
+/// What a browser says of a page that is 400 pixels wide: its width when it is laid out, how many of its
+/// pictures and plots have no alternative text, and how many there are; and what stands in the console.
+fn look(browser: &str, folder: &Folder, page: &str) -> ([usize; 3], String) {
+    let source = page.replace('&', "&amp;").replace('"', "&quot;");
+    let frame = format!(
+        r#"<!DOCTYPE html><iframe id="page" width="400" height="800" srcdoc="{source}"></iframe>
+        <output id="found"></output>
+        <script>
+            const page = document.getElementById("page");
+            page.onload = () => {{
+                const all = [...page.contentDocument.querySelectorAll("img, svg")];
+                const named = all.filter(one => one.alt || one.getAttribute("aria-label"));
+                const width = page.contentDocument.documentElement.scrollWidth;
+                document.getElementById("found").textContent =
+                    [width, all.length - named.length, all.length].join(" ");
+            }};
+        </script>"#
+    );
+    let path = folder.write("frame.html", frame);
+    let output = Command::new(browser)
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr", "--v=0"])
+        .args(["--virtual-time-budget=10000", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", folder.path("profile").display()))
+        .arg(format!("file://{}", path.display()))
+        .output()
+        .unwrap();
+    let (page, log) = (text(&output.stdout), text(&output.stderr));
+    let (_, found) = page.rsplit_once(r#"<output id="found">"#).unwrap_or_else(|| panic!("{log}"));
+    let found = found.split_once('<').unwrap().0;
+    let numbers: Vec<usize> = found.split(' ').map(|number| number.parse().unwrap()).collect();
+    let console = log.lines().filter(|line| line.contains(":CONSOLE")).collect();
+    (numbers.try_into().unwrap(), console)
+}
+
+#[test]
+fn a_browser_shows_the_page_on_a_phone_without_complaint() {
+    let Some(browser) = chromium() else { return };
+    let folder = Folder::new();
+    let sections = ["--only", "triangles", "--only", "stability"];
+    let arguments = ["report", "--quick", "--out", "r", "--resources", RESOURCES];
+    let output = folder.run(&[&arguments[..], &sections].concat());
+    assert!(output.status.success(), "{output:?}");
+    let page = std::fs::read_to_string(folder.path("r/index.html")).unwrap();
+    let ([width, unnamed, pictures], console) = look(browser, &folder, &page);
+    assert!(width <= 400 && pictures > 10, "{width} pixels wide, {pictures} pictures");
+    assert_eq!((unnamed, console.as_str()), (0, ""));
+    // The looking itself notices what is wrong.
+    let wide = r#"<p style="width: 500px">a<img src="data:,">"#;
+    let ([width, unnamed, _], _) = look(browser, &folder, wide);
+    assert!(width > 500 && unnamed == 1, "{width} {unnamed}");
 }
 
 #[test]

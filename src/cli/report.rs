@@ -142,6 +142,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         version: env!("CARGO_PKG_VERSION").into(),
         driver: lab.driver(),
         machine: machine(),
+        clock: lab.clock(),
         size: lab.size,
         summary: advice::advice(&rows),
         command: command(arguments),

@@ -80,6 +80,17 @@ impl Lab {
         format!("{}, OpenGL {}", info.renderer, info.version)
     }
 
+    /// What times are taken of, for the report's first lines.
+    pub(super) const fn clock(&self) -> &'static str {
+        match self.timer {
+            None => "the wall clock around a finished frame",
+            Some(_) => {
+                "what the processor or the device takes for a frame, whichever is longer: they work side \
+                 by side"
+            }
+        }
+    }
+
     /// Says how many things a section is going to do.
     pub(super) fn begin(&self, steps: usize) {
         self.bar.set_length(steps as u64);

@@ -56,6 +56,8 @@ pub(super) struct Head {
     pub(super) version: String,
     pub(super) driver: String,
     pub(super) machine: String,
+    /// What times are taken of.
+    pub(super) clock: &'static str,
     pub(super) size: (u32, u32),
     pub(super) summary: Vec<String>,
     pub(super) command: String,
@@ -85,9 +87,8 @@ pub(super) fn page(head: &Head, sections: &[Section]) -> Result<String> {
                 ul { @for line in &head.summary { li { (line) } } }
                 p {
                     "freeform " (head.version) ", " (head.driver) ", " (head.machine) ". Pictures of "
-                    (head.size.0) "×" (head.size.1) " pixels. Times are medians, taken in turns, of the \
-                    wall clock around a finished frame; their spread is the distance between the \
-                    quartiles, over the median. Made by " code { (head.command) } "."
+                    (head.size.0) "×" (head.size.1) " pixels. Times are medians, taken in turns, of " (head.clock)
+                    "; their spread is the distance between the quartiles, over the median. Made by " code { (head.command) } "."
                 }
                 @for body in bodies { (body) }
             }
@@ -188,6 +189,7 @@ mod tests {
             version: "0".into(),
             driver: "d".into(),
             machine: "m".into(),
+            clock: "c",
             size: (1, 1),
             summary: vec!["use exact".into()],
             command: "freeform report".into(),
