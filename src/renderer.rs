@@ -29,7 +29,7 @@ pub use triangles::DrawnVertex;
 use triangles::Feedback;
 
 use crate::camera::Projection;
-use crate::gpu::{Program, Target, Texture, VertexArray, check_version, draw_size};
+use crate::gpu::{Program, Target, Texture, VertexArray, check_version, draw_size, keep_memory};
 use crate::tessellation::{DrawSize, Parts};
 use crate::{FrameFigures, FreeFormSurface, Method, Paint, RenderSettings, Result, Shading};
 
@@ -89,6 +89,7 @@ impl Renderer {
     /// A context older than OpenGL 4.5.
     pub fn with_sources(gl: &Arc<glow::Context>, sources: Sources) -> Result<Self> {
         check_version(gl)?;
+        keep_memory(gl);
         Ok(Self {
             gl: Arc::clone(gl),
             sources,
