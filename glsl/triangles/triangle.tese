@@ -33,14 +33,13 @@ layout(location = 3) flat out uint passPatch;
 vec3 weights()
 {
     vec3 at = gl_TessCoord;
-    ivec4 level = ivec4(uvec4(levelsOfTriangle) >> uvec4(0, 8, 16, 24) & 0xffu);
-    if (at.z == 0.0)
-        at.yx = along(at.y, level.w, level.x, 0, 1);
-    else if (at.x == 0.0)
-        at.zy = along(at.z, level.w, level.y, 0, 1);
-    else if (at.y == 0.0)
-        at.xz = along(at.x, level.w, level.z, 0, 1);
-    return at;
+    int edge = at.z == 0.0 ? 0 : at.x == 0.0 ? 1 : at.y == 0.0 ? 2 : 3;
+    float t = edge == 0 ? at.y : edge == 1 ? at.z : at.x; // from the edge's first corner
+    int level = int(levelsOfTriangle >> 8 * edge & 0xffu);
+    vec2 moved = along(t, int(levelsOfTriangle >> 24), level, 0, 1);
+    return edge == 0 ? vec3(moved.yx, 0.0)
+        : edge == 1 ? vec3(0.0, moved.yx)
+        : edge == 2 ? vec3(moved.x, 0.0, moved.y) : at;
 }
 
 // Three of something by weights. On an edge one term is zero, and the order of the others does not matter.

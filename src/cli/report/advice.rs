@@ -120,20 +120,34 @@ fn meshes(rows: &[&Row]) -> Option<String> {
     (!told.is_empty()).then(|| format!("Meshes, nearest to the ideal shape: {}.", told.join("; ")))
 }
 
-/// Which peers are faster, or that none is.
+/// How exact stands to each peer at all tolerances, and whether it loses anywhere.
 fn losses(rows: &[&Row]) -> Option<String> {
-    let at = |method: &str| {
-        let mut of = rows.iter().filter(|row| row.section == "peers" && row.method == method);
-        of.find(|row| row.tolerance == Some(GOOD_ENOUGH))?.ms
+    let of = |method: &'static str| {
+        rows.iter().filter(move |row| row.section == "peers" && row.method == method)
     };
-    let ours = at("exact")?;
-    let stands = |peer: &str| {
-        let ratio = ours / at(peer)?;
-        let how = if ratio <= 1.0 { "wins against" } else { "loses to" };
-        Some(format!("{how} {peer}, {ratio:.2} of its time"))
+    let stands = |peer: &'static str| {
+        let mut loses = Vec::new();
+        let mut ratios = Vec::new();
+        for row in of("exact") {
+            let tolerance = row.tolerance?;
+            let its = of(peer).find(|other| other.tolerance == row.tolerance)?;
+            let ratio = row.ms? / its.ms?;
+            ratios.push(format!("{ratio:.2} at {tolerance} px"));
+            if ratio > 1.0 {
+                loses.push(ratio);
+            }
+        }
+        let how = match loses.len() {
+            0 => "wins against",
+            all if all == ratios.len() => "loses to",
+            _ => "wins and loses against",
+        };
+        (!ratios.is_empty())
+            .then(|| format!("{how} {peer} (share of its time: {})", ratios.join(", ")))
     };
     let stands: Vec<String> = [LIBGLU, STATIC].into_iter().filter_map(stands).collect();
-    Some(format!("Peers, half a pixel of the teapot at 1920×1080: exact {}.", stands.join("; ")))
+    (!stands.is_empty())
+        .then(|| format!("Peers, the teapot at 1920×1080: exact {}.", stands.join("; it ")))
 }
 
 #[cfg(test)]
@@ -194,12 +208,28 @@ mod tests {
 
     #[test]
     fn losses_are_told_beside_wins() {
-        let peer =
-            |method: &str, ms| Row { tolerance: Some(0.5), ..row("peers", "teapot", method, ms) };
-        let rows = [peer("exact", 3.0), peer(STATIC, 2.0), peer(LIBGLU, 6.0)];
-        let lines = advice(&rows.each_ref());
-        assert!(lines[0].contains("wins against libGLU, 0.50"), "{lines:?}");
-        assert!(lines[0].contains("loses to static mesh, 1.50"), "{lines:?}");
+        let peer = |method: &str, tolerance, ms| Row {
+            tolerance: Some(tolerance),
+            ..row("peers", "teapot", method, ms)
+        };
+        let rows = [
+            peer("exact", 2.0, 2.0),
+            peer(STATIC, 2.0, 1.0),
+            peer(LIBGLU, 2.0, 1.6),
+            peer("exact", 0.5, 3.0),
+            peer(STATIC, 0.5, 2.0),
+            peer(LIBGLU, 0.5, 6.0),
+        ];
+        let line = &advice(&rows.each_ref())[0];
+        for words in [
+            "wins and loses against libGLU (share of its time: 1.25 at 2 px, 0.50 at 0.5 px)",
+            "loses to static mesh (share of its time: 2.00 at 2 px, 1.50 at 0.5 px)",
+        ] {
+            assert!(line.contains(words), "{line}");
+        }
+        // What was not installed is not compared.
+        let line = &advice(&[&rows[0], &rows[1]])[0];
+        assert!(!line.contains(LIBGLU), "{line}");
         assert!(advice(&[]).is_empty());
     }
 

@@ -29,6 +29,8 @@ pub(super) struct Row {
     pub(super) wrong_pixels: Option<usize>,
     /// In pixels, from the furthest wrong pixel to the border that it is on the wrong side of.
     pub(super) max_wrong_distance: Option<f64>,
+    /// Pixels along the silhouette that are drawn and should not be, or the other way round.
+    pub(super) silhouette_pixels: Option<usize>,
     /// The largest distance from the ideal surface in the model's units.
     pub(super) max_error: Option<f64>,
     /// Bytes that the process grew by.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use freeform_surface::{Method, NewtonTrims, Result, Scene};
 
-use super::lab::Lab;
+use super::lab::{Lab, Wrong};
 use super::row::{Row, name};
 use super::{Figure, Section};
 
@@ -17,9 +17,10 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     let mut section = Section::new(
         "stability",
         "Stability: the hard cases",
-        "One scene for each thing that is hard. Wrong pixels are those that trims decide wrongly; where \
-         a scene has no trims, those of the silhouette that differ from the surface's own. What the \
-         thesis' method cannot draw at all has no row of it.",
+        "One scene for each thing that is hard. Wrong pixels are those that trims decide wrongly. Of what \
+         is hard to tessellate, the pixels count whose coverage differs from the surface's own, which \
+         triangles within the tolerance may do along silhouettes. What the thesis' method cannot draw \
+         at all has no row of it.",
     );
     let size = lab.size;
     lab.resize(SIZE)?;
@@ -49,7 +50,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     }
     lab.resize(size)?;
     section.findings.push(format!(
-        "Of {} hard cases exact has fewer wrong pixels in {better}, more in {}{}.",
+        "Of {} hard cases exact has fewer wrong or silhouette pixels in {better}, more in {}{}.",
         cases.len(),
         wrong.len(),
         if wrong.is_empty() { String::new() } else { format!(" ({})", wrong.join(", ")) }
@@ -94,7 +95,7 @@ fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
     Ok(cases)
 }
 
-/// Adds the row and picture of a case by one method, and counts its wrong pixels.
+/// Adds the row and picture of a case by one method, and counts its wrong or silhouette pixels.
 fn row_of(
     lab: &mut Lab,
     case: &str,
@@ -105,23 +106,23 @@ fn row_of(
     let method = scene.settings.method;
     let row = Row::new("stability", case, name(method));
     // The border of trims is compared by their own answers, which are sharper than a silhouette's.
-    let (pixels, row) = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
+    let (pixels, what, row) = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
         let kept = lab.kept(scene)?;
-        let wrong = lab.wrong(scene, &kept)?;
-        (wrong.pixels, Row { max_wrong_distance: Some(wrong.distance), ..row })
+        let Wrong { pixels, distance } = lab.wrong(scene, &kept)?;
+        let (wrong_pixels, max_wrong_distance) = (Some(pixels), Some(distance));
+        (pixels, "wrong", Row { wrong_pixels, max_wrong_distance, ..row })
     } else {
         let (errors, triangles) = lab.errors_and_silhouette(scene)?;
-        (errors.silhouette_pixels, row.measured(&errors, triangles))
+        let silhouette_pixels = Some(errors.silhouette_pixels);
+        let row = Row { silhouette_pixels, ..row.measured(&errors, triangles) };
+        (errors.silhouette_pixels, "silhouette", row)
     };
-    section.rows.push(Row {
-        wrong_pixels: Some(pixels),
-        command: lab.command(path, &format!("--method {}", name(method))),
-        ..row
-    });
+    let command = lab.command(path, &format!("--method {}", name(method)));
+    section.rows.push(Row { command, ..row });
     let picture = lab.picture(scene)?;
     let height = THUMBNAIL * picture.height() / picture.width();
     section.figures.push(Figure {
-        caption: format!("{case}, {}: {pixels} wrong pixels", name(method)),
+        caption: format!("{case}, {}: {pixels} {what} pixels", name(method)),
         image: image::imageops::thumbnail(&picture, THUMBNAIL, height),
     });
     Ok(pixels)
