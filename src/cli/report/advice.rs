@@ -73,7 +73,7 @@ fn surfaces(rows: &[&Row]) -> Option<String> {
         );
     }
     line += &format!(
-        ". So fine, normals of the thesis are still up to {:.0}° off, those of exact up to {:.1}°.",
+        ". There, normals of the thesis are still up to {:.0}° off, those of exact up to {:.1}°.",
         worst("thesis"),
         worst("exact")
     );
