@@ -377,11 +377,150 @@ fn broken_files_and_tiny_windows_lose_nothing() {
     std::thread::sleep(Duration::from_millis(400));
     screen.rest();
     assert!(changed(&start, &screen.picture()) > 50_000, "the file as it is now");
+    let blue = screen.picture();
     for (width, height) in [("1", "1"), ("1000", "600"), ("37", "300"), ("1000", "600")] {
         screen.resize(width, height);
     }
+    screen.hide_and_show();
+    assert_same("view-shown-again", &blue, &screen.picture(), &[], 0);
     screen.keys(&["c", "c"]);
     screen.quit("Escape");
+}
+
+#[test]
+fn dropped_files_open_and_what_is_none_is_told() {
+    let folder = Folder::new();
+    let path = folder.write("a.toml", SQUARE);
+    let other = folder.write("b.toml", SQUARE.replace("[1.0, 1.0, 1.0]", "[0.0, 1.0, 0.0]"));
+    let broken = folder.write("broken.toml", "[[surface]]\ncontrol_points = 1\n");
+    let mut screen = Screen::start(&[path.to_str().unwrap()]);
+    screen.keys(&["h", "h"]);
+    let start = screen.picture();
+    screen.drop_file(&other);
+    let green = screen.picture();
+    assert!(changed(&start, &green) > 50_000);
+    assert!(screen.title().starts_with("b.toml"), "{}", screen.title());
+    for wrong in [broken.as_path(), folder.root()] {
+        screen.drop_file(wrong);
+        let off = changed(&green, &screen.picture());
+        assert!((50..40_000).contains(&off), "an error over the last good scene: {off}");
+        assert!(screen.title().starts_with("b.toml"), "{}", screen.title());
+    }
+    screen.quit("Escape");
+}
+
+#[test]
+fn the_mouse_pans_and_its_wheel_zooms_to_the_cursor() {
+    let folder = Folder::new();
+    let path = folder.write("a.toml", SQUARE);
+    let mut screen = Screen::start(&[path.to_str().unwrap()]);
+    screen.keys(&["h", "h"]);
+    let start = screen.picture();
+    let white = |picture: &Image| {
+        // Not the gold around the corner that the cursor is over.
+        let lit = picture.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[2] > 128);
+        lit.fold([u32::MAX, u32::MAX, 0, 0], |[a, b, c, d], (x, y, _)| {
+            [a.min(x), b.min(y), c.max(x), d.max(y)]
+        })
+    };
+    let [left, top, right, bottom] = white(&start);
+    // Both ways to pan take the square along.
+    let shift =
+        (&["keydown", "shift", "mousedown", "1"][..], &["mouseup", "1", "keyup", "shift"][..]);
+    for (down, up) in [shift, (&["mousedown", "2"], &["mouseup", "2"])] {
+        screen.mouse(down);
+        screen.mouse_draws(&["mousemove", "530", "570"]);
+        screen.mouse(up);
+        let expected = [left + 30, top - 20, right + 30, bottom - 20];
+        assert_eq!(white(&screen.picture()), expected, "{down:?}");
+        screen.keys(&["r"]);
+        screen.mouse(&["mousemove", "500", "590"]);
+    }
+    // The corner under the cursor stays.
+    screen.mouse(&["mousemove", &left.to_string(), &bottom.to_string()]);
+    screen.mouse_draws(&["click", "4"]);
+    let [nearer_left, nearer_top, nearer_right, nearer_bottom] = white(&screen.picture());
+    assert_eq!([nearer_left, nearer_bottom], [left, bottom]);
+    assert!(nearer_right > right + 20 && nearer_top < top, "{nearer_right} {nearer_top}");
+    screen.mouse_draws(&["click", "5"]);
+    let back = white(&screen.picture());
+    assert!(back[2].abs_diff(right) <= 1 && back[1].abs_diff(top) <= 1, "{back:?}");
+    screen.quit("Escape");
+}
+
+#[test]
+fn ten_thousand_events_by_chance_do_no_harm() {
+    const KEYS: [&str; 33] = [
+        "Up",
+        "Down",
+        "t",
+        "plus",
+        "minus",
+        "w",
+        "c",
+        "i",
+        "l",
+        "b",
+        "n",
+        "m",
+        "x",
+        "p",
+        "e",
+        "space",
+        "r",
+        "Return",
+        "f",
+        "1",
+        "3",
+        "7",
+        "5",
+        "h",
+        "F1",
+        "Left",
+        "Right",
+        "Next",
+        "Prior",
+        "shift+Up",
+        "shift+Left",
+        "ctrl+z",
+        "ctrl+shift+z",
+    ];
+    let folder = Folder::new();
+    let path = folder.write("a.toml", SQUARE);
+    folder.write("b.obj", std::fs::read(resource("meshes/icosahedron.obj")).unwrap());
+    let mut screen = Screen::start(&[path.to_str().unwrap()]);
+    let mut random = 0x2545_F491_4F6C_DD1D_u64;
+    let mut below = |bound: u64| {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random >> 32) * bound >> 32
+    };
+    let mut script = String::new();
+    for number in 0..10_000 {
+        let line = match below(10) {
+            0..4 => format!("key --delay 0 {}", KEYS[below(33) as usize]),
+            4..7 => format!("mousemove {} {}", below(1000), below(600)),
+            7 => format!("mousedown {}", 1 + below(3)),
+            8 => format!("mouseup {}", 1 + below(3)),
+            _ => format!("click --delay 0 {}", 4 + below(2)),
+        };
+        script.push_str(&line);
+        script.push('\n');
+        // What writes files or opens others, now and then.
+        if number % 1_000 == 999 {
+            script.push_str("key --delay 0 F12\nkey --delay 0 ctrl+s\nkey --delay 0 Tab\n");
+        }
+    }
+    script.push_str("mouseup 1\nmouseup 2\nmouseup 3\nmousemove 20 590\nclick 1\n");
+    screen.rush(&script);
+    // The turntable may be on.
+    if !screen.rests_within(Duration::from_secs(30)) {
+        screen.rush("key space\n");
+    }
+    screen.rest();
+    assert!(folder.path("a-001.png").is_file());
+    screen.quit("ctrl+q");
 }
 
 #[test]

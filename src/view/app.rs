@@ -136,9 +136,10 @@ impl ApplicationHandler<Changed> for App {
                 self.state.resize(size.width, size.height);
                 self.hand_on(&event);
             }
-            WindowEvent::DroppedFile(path) => {
-                self.open(&path);
-                self.redraw();
+            WindowEvent::DroppedFile(ref path) => {
+                self.open(path);
+                // To the panel it hovers no more.
+                self.hand_on(&event);
             }
             WindowEvent::KeyboardInput { event: ref key, is_synthetic, .. } => {
                 if self.window.as_ref().is_some_and(|shown| shown.overlay.wants_keys()) {

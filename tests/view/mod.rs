@@ -1,7 +1,9 @@
 //! The program in a display of its own, and the keys and pictures of that.
 
+mod drop;
+
 use std::io::{BufRead, BufReader, Read as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -116,17 +118,25 @@ impl Screen {
 
     /// Waits until nothing is drawn any more.
     pub(crate) fn rest(&self) {
+        assert!(self.rests_within(LONG), "it never rests: {}", self.log());
+        assert_eq!(self.log(), "", "errors and warnings");
+    }
+
+    /// Waits until nothing is drawn any more, but not longer than that; false if it still draws.
+    pub(crate) fn rests_within(&self, limit: Duration) -> bool {
         let start = Instant::now();
         let mut last = (self.frames(), Instant::now());
         while last.1.elapsed() < STILL {
-            assert!(start.elapsed() < LONG, "it never rests: {}", self.log());
+            if start.elapsed() > limit {
+                return false;
+            }
             std::thread::sleep(Duration::from_millis(10));
             let frames = self.frames();
             if frames != last.0 {
                 last = (frames, Instant::now());
             }
         }
-        assert_eq!(self.log(), "", "errors and warnings");
+        true
     }
 
     /// Presses keys one after the other.
@@ -162,6 +172,31 @@ impl Screen {
         let before = self.frames();
         self.xdotool(arguments);
         self.wait_for_frame(before, "the mouse");
+        self.rest();
+    }
+
+    /// Does many things without waiting between them: lines as `xdotool` reads them from a file.
+    pub(crate) fn rush(&mut self, script: &str) {
+        let path = self.folder.path().join("script");
+        std::fs::write(&path, script).unwrap();
+        self.xdotool(&[path.to_str().unwrap()]);
+    }
+
+    /// Drops a file on the window.
+    pub(crate) fn drop_file(&mut self, path: &Path) {
+        let before = self.frames();
+        let window = self.window.parse().expect("a window's number");
+        drop::drop_file(&self.display, window, path, [500, 300]);
+        self.wait_for_frame(before, "a dropped file");
+        self.rest();
+    }
+
+    /// Takes the window from the screen, as minimising does, and brings it back.
+    pub(crate) fn hide_and_show(&mut self) {
+        let window = self.window.clone();
+        self.xdotool(&["windowunmap", "--sync", &window]);
+        std::thread::sleep(STILL);
+        self.xdotool(&["windowmap", "--sync", &window, "windowfocus", &window]);
         self.rest();
     }
 
