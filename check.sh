@@ -6,8 +6,8 @@ cd "$(dirname "$0")"
 # Both backends, whether installed or not: a missing one must fail here.
 export FREEFORM_TEST_BACKENDS="${FREEFORM_TEST_BACKENDS:-egl,osmesa}"
 
-# The report's page is looked at by a browser.
-export FREEFORM_TEST_CHROMIUM=1
+# Chromium, which looks at the report's page, and libGLU, which it is measured beside, too.
+export FREEFORM_TEST_REPORT=1
 
 sh setup.sh check
 cargo fmt --check

@@ -29,8 +29,11 @@ fn peers_are_measured_beside_exact_or_named_as_missing() {
     // The same triangles are off by the same.
     assert_eq!(exact["triangles"], floor["triangles"]);
     assert!((number(exact, "max_error_px") - number(floor, "max_error_px")).abs() < 0.01);
-    // libGLU keeps its promise on this model, if it is there.
-    if let Some(glu) = of("libGLU") {
+    // libGLU keeps its promise on this model; where it is not installed, that is said.
+    let glu = of("libGLU").expect("libGLU");
+    if let Some(note) = glu["note"].as_str() {
+        assert!(note.starts_with("not measured: ") && !everything_must_be_there(), "{note}");
+    } else {
         assert!(
             number(glu, "triangles") > 10_000.0 && number(glu, "max_error_px") <= 0.75,
             "{glu}"
@@ -61,10 +64,11 @@ fn a_page_and_its_data_are_written() {
     let json: Vec<serde_json::Value> = serde_json::from_str(&read("r/report.json")).expect("JSON");
     let csv = read("r/triangles.csv");
     assert_eq!(csv.lines().count(), json.len() + 1);
-    // The printed findings are those of the page.
-    for line in text(&output.stdout).lines().filter(|line| line.starts_with("sphere")) {
-        assert!(page.contains(line), "{line}");
-    }
+    // What is printed stands in the page.
+    let said = text(&output.stdout);
+    let advice: Vec<&str> = said.lines().filter(|line| !line.starts_with("wrote ")).collect();
+    assert!(advice.len() == 1 && advice[0].starts_with("Meshes, nearest"), "{said}");
+    assert!(page.contains(advice[0]), "{said}");
 }
 
 #[test]
@@ -73,7 +77,8 @@ fn no_pixel_is_wrong_by_exact_trims() {
     let of = |method: &str| rows.iter().filter(|row| row["method"] == method).collect::<Vec<_>>();
     let (exact, thesis) = (of("exact"), of("thesis"));
     assert!(exact.len() >= 12 && thesis.len() >= 20, "{} {}", exact.len(), thesis.len());
-    for row in exact {
+    // Figure 26 is figure 25 in lines.
+    for row in exact.iter().filter(|row| row["scene"] != "figure 26") {
         assert_eq!(row["wrong_pixels"], 0, "{row}");
     }
     // The thesis' own figures of what goes wrong do go wrong.
@@ -81,12 +86,16 @@ fn no_pixel_is_wrong_by_exact_trims() {
     assert!(wrong["wrong_pixels"].as_u64() > Some(100), "{wrong}");
 }
 
-/// A browser without a window; where `FREEFORM_TEST_CHROMIUM` is set it must be there.
+/// Whether all that the report is checked by must be installed (`sh setup.sh check`).
+fn everything_must_be_there() -> bool {
+    std::env::var_os("FREEFORM_TEST_REPORT").is_some()
+}
+
+/// A browser without a window.
 fn chromium() -> Option<&'static str> {
     let is_there = |name: &&str| Command::new(name).arg("--version").output().is_ok();
     let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(is_there);
-    let must = std::env::var_os("FREEFORM_TEST_CHROMIUM").is_some();
-    assert!(found.is_some() || !must, "no Chromium, which `sh setup.sh check` installs");
+    assert!(found.is_some() || !everything_must_be_there(), "no Chromium");
     if found.is_none() {
         eprintln!("left out: no Chromium");
     }
@@ -131,18 +140,16 @@ fn look(browser: &str, folder: &Folder, page: &str) -> ([usize; 3], String) {
 fn a_browser_shows_the_page_on_a_phone_without_complaint() {
     let Some(browser) = chromium() else { return };
     let folder = Folder::new();
-    let sections = ["--only", "triangles", "--only", "stability"];
-    let arguments = ["report", "--quick", "--out", "r", "--resources", RESOURCES];
-    let output = folder.run(&[&arguments[..], &sections].concat());
+    let output = folder.run(&["report", "--quick", "--out", "r", "--resources", RESOURCES]);
     assert!(output.status.success(), "{output:?}");
     let page = std::fs::read_to_string(folder.path("r/index.html")).unwrap();
     let ([width, unnamed, pictures], console) = look(browser, &folder, &page);
-    assert!(width <= 400 && pictures > 10, "{width} pixels wide, {pictures} pictures");
+    assert!(width <= 400 && pictures > 40, "{width} pixels wide, {pictures} pictures");
     assert_eq!((unnamed, console.as_str()), (0, ""));
     // The looking itself notices what is wrong.
-    let wide = r#"<p style="width: 500px">a<img src="data:,">"#;
-    let ([width, unnamed, _], _) = look(browser, &folder, wide);
-    assert!(width > 500 && unnamed == 1, "{width} {unnamed}");
+    let bad = r#"<p style="width: 500px">a<img src="data:,"><script>console.error("bad")</script>"#;
+    let ([width, unnamed, _], console) = look(browser, &folder, bad);
+    assert!(width > 500 && unnamed == 1 && console.contains("bad"), "{width} {unnamed} {console}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use freeform_surface::renderer::programs::Sources;
-use freeform_surface::{Error, Headless, Image, Result};
+use freeform_surface::{Backend, Error, Headless, Image, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output::replace;
@@ -131,6 +131,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     for (number, topic) in topics.iter().enumerate() {
         bar.set_prefix(format!("section {} of {}", number + 1, topics.len()));
         sections.push(topic.measure(&mut lab)?);
+        lab.check_driver()?;
     }
     bar.finish_and_clear();
     let rows: Vec<&Row> = sections.iter().flat_map(|section| &section.rows).collect();
@@ -171,6 +172,12 @@ fn command(arguments: &ReportArguments) -> String {
     let mut command = format!("freeform report --out {}", arguments.out.display());
     if arguments.quick {
         command.push_str(" --quick");
+    }
+    if arguments.backend != Backend::default() {
+        command.push_str(&format!(" --backend {}", arguments.backend));
+    }
+    if arguments.resources != default_resources() {
+        command.push_str(&format!(" --resources {}", arguments.resources.display()));
     }
     for topic in &arguments.only {
         let name = topic.to_possible_value();

@@ -36,6 +36,19 @@ impl DebugLog {
         log
     }
 
+    /// Does something of whose calls the driver may complain as it likes: nobody is told, and no time is lost
+    /// with telling.
+    pub fn unheard<T>(gl: &glow::Context, work: impl FnOnce() -> T) -> T {
+        // SAFETY: the context is current (see the module).
+        unsafe {
+            gl.disable(glow::DEBUG_OUTPUT);
+            let done = work();
+            while gl.get_error() != glow::NO_ERROR {}
+            gl.enable(glow::DEBUG_OUTPUT);
+            done
+        }
+    }
+
     /// The errors since the last call, and forgets them.
     #[must_use]
     pub fn take_errors(&self) -> Vec<String> {

@@ -10,7 +10,7 @@ use glow::HasContext;
 use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::{Frame, Renderer, set_for_aovs};
 use crate::gpu::{Buffer, FloatTarget, Target, Texture, VertexArray};
-use crate::{Aovs, Method, Result, Shading};
+use crate::{Aovs, Error, Method, Result, Shading};
 
 /// A corner of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -42,12 +42,13 @@ impl StaticMesh {
     /// Uploads triangles: three indices of vertices each. Neither may be empty.
     ///
     /// # Errors
-    /// No memory for them, or 2 GiB and more.
+    /// An index without its vertex; no memory for them, or 2 GiB and more.
     pub fn new(
         gl: &Arc<glow::Context>,
         vertices: &[StaticVertex],
         indices: &[u32],
     ) -> Result<Self> {
+        check(vertices, indices)?;
         Ok(Self {
             gl: Arc::clone(gl),
             vertices: Buffer::new(gl, "vertices of triangles", vertices)?,
@@ -62,6 +63,7 @@ impl StaticMesh {
     /// # Errors
     /// As [`StaticMesh::new`].
     pub fn replace(&mut self, vertices: &[StaticVertex], indices: &[u32]) -> Result<()> {
+        check(vertices, indices)?;
         refill(&self.gl, &mut self.vertices, "vertices of triangles", vertices)?;
         refill(&self.gl, &mut self.indices, "indices of triangles", indices)?;
         self.count = indices.len();
@@ -72,6 +74,17 @@ impl StaticMesh {
     #[must_use]
     pub const fn triangles(&self) -> usize {
         self.count / 3
+    }
+}
+
+/// Refuses indices beyond the vertices: the driver would read what is not there.
+fn check(vertices: &[StaticVertex], indices: &[u32]) -> Result<()> {
+    match indices.iter().max() {
+        Some(last) if *last as usize >= vertices.len() => {
+            let expected = format!("a number below {}", vertices.len());
+            Err(Error::invalid("index of a vertex", last, expected))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -160,8 +173,8 @@ impl Renderer {
         look.texture.bind(0);
         self.set_state(3, frame.settings.wireframe && output == Output::Picture);
         mesh.array.bind_indexed(&mesh.vertices, &mesh.indices);
-        // SAFETY: the context is current (see the type); the buffer holds `count` indices of vertices,
-        // whose bytes fit an i32 since it was made.
+        // SAFETY: the context is current (see the type); the buffer holds `count` indices, which were
+        // checked to be of vertices, and whose bytes fit an i32.
         unsafe {
             let count = mesh.count as i32;
             self.gl.draw_elements(glow::TRIANGLES, count, glow::UNSIGNED_INT, 0);

@@ -1,25 +1,16 @@
 //! What the rows come to: which method to use when, and where a peer is faster.
 
 use super::peers::{LIBGLU, STATIC};
-use super::row::Row;
-
-/// Pixels within which most pictures are good enough.
-const GOOD_ENOUGH: f64 = 0.5;
+use super::row::{Row, half_a_pixel, trims};
 
 /// The report's first lines, as far as the rows tell.
 pub(super) fn advice(rows: &[&Row]) -> Vec<String> {
     let mut lines = Vec::new();
     lines.extend(surfaces(rows));
-    lines.extend(trims(rows));
+    lines.extend(trimmed(rows));
     lines.extend(meshes(rows));
     lines.extend(losses(rows));
     lines
-}
-
-/// The fastest of some rows.
-fn fastest<'a>(rows: impl Iterator<Item = &'a Row>) -> Option<&'a Row> {
-    rows.filter(|row| row.ms.is_some())
-        .min_by(|a, b| a.ms.unwrap_or(f64::NAN).total_cmp(&b.ms.unwrap_or(f64::NAN)))
 }
 
 /// Names in the order of the rows, each once.
@@ -33,91 +24,81 @@ fn scenes<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a str> {
     names
 }
 
-/// Tolerance against the thesis' best level, scene by scene.
+/// Half a pixel by tolerance against the thesis' best level, scene by scene.
 fn surfaces(rows: &[&Row]) -> Option<String> {
-    let of = || rows.iter().copied().filter(|row| row.section == "tessellation");
-    let good = |row: &&Row| row.max_error_px.is_some_and(|error| error <= GOOD_ENOUGH);
-    let (mut ahead, mut behind) = (Vec::new(), Vec::new());
-    for scene in scenes(of()) {
-        let here = || of().filter(|row| row.scene == scene).filter(good);
-        let Some(ours) = fastest(here().filter(|row| row.tolerance.is_some())) else { continue };
-        match fastest(here().filter(|row| row.method == "thesis")) {
-            Some(thesis) => {
+    let (mut ahead, mut behind, mut unreached) = (Vec::new(), Vec::new(), Vec::new());
+    let mut normals = [None::<f64>; 2];
+    for scene in scenes(rows.iter().copied().filter(|row| row.section == "tessellation")) {
+        let both = half_a_pixel(rows, scene);
+        for (worst, row) in normals.iter_mut().zip(both) {
+            let own = row.and_then(|row| row.normal_error_deg);
+            *worst = worst.zip(own).map(|(a, b)| a.max(b)).or(*worst).or(own);
+        }
+        match both {
+            [Some(ours), Some(thesis)] => {
                 let ratio = ours.ms? / thesis.ms?;
                 let list = if ratio <= 1.0 { &mut ahead } else { &mut behind };
                 list.push(format!("{scene} {ratio:.2}"));
             }
-            None => ahead.push(format!("{scene}, which no level of it reaches")),
+            [Some(_), None] => unreached.push(scene),
+            _ => {}
         }
     }
-    if ahead.is_empty() && behind.is_empty() {
+    let lists = [
+        (
+            "faster than the thesis' best level, found by hand (share of its time: ",
+            ahead.join(", "),
+            ")",
+        ),
+        ("slower than it on others (", behind.join(", "), ")"),
+        ("and the only one to hold that on ", unreached.join(", "), ""),
+    ];
+    let told = lists.iter().filter(|(_, names, _)| !names.is_empty());
+    let told: Vec<String> = told.map(|(how, names, end)| format!("{how}{names}{end}")).collect();
+    if told.is_empty() {
         return None;
     }
-    let worst = |method: &str| {
-        let rows = of().filter(|row| row.method == method).filter(good);
-        rows.filter_map(|row| row.normal_error_deg).fold(0.0, f64::max)
-    };
-    let mut line = String::from("Surfaces within half a pixel: ");
-    if !ahead.is_empty() {
+    let mut line =
+        format!("Surfaces within half a pixel: exact with a tolerance is {}", told.join(", "));
+    if let [Some(ours), Some(thesis)] = normals {
         line += &format!(
-            "use exact with a tolerance, faster than the best level of the thesis that holds it (share \
-             of its time: {})",
-            ahead.join("; ")
+            "; its normals are up to {ours:.1}° off, the thesis' up to {thesis:.0}°. Use exact, and a level \
+             by hand where one view's speed is all that counts"
         );
     }
-    if !behind.is_empty() {
-        line += &format!(
-            "{}slower than that level, found by hand, on: {}",
-            if ahead.is_empty() { "exact with a tolerance is " } else { "; but " },
-            behind.join("; ")
-        );
-    }
-    line += &format!(
-        ". There, normals of the thesis are still up to {:.0}° off, those of exact up to {:.1}°.",
-        worst("thesis"),
-        worst("exact")
-    );
-    Some(line)
+    Some(line + ".")
 }
 
 /// Wrong pixels and time of exact trims and of the thesis' usual Newton iterations.
-fn trims(rows: &[&Row]) -> Option<String> {
-    // Pictures of defects are not timed.
-    let of = |is_ours: &dyn Fn(&Row) -> bool| {
-        let rows = rows.iter().filter(|row| row.section == "trimming" && row.ms.is_some());
-        rows.filter(|row| is_ours(row)).fold(None, |sum: Option<(usize, f64)>, row| {
-            let (pixels, ms) = sum.unwrap_or_default();
-            Some((pixels + row.wrong_pixels?, ms + row.ms?))
-        })
-    };
-    let (wrong, ms) = of(&|row| row.method == "exact")?;
-    let (thesis_wrong, thesis_ms) = of(&|row| {
-        row.method == "thesis" && row.iterations == Some(10) && row.epsilon == Some(1e-3)
-    })?;
+fn trimmed(rows: &[&Row]) -> Option<String> {
+    let ((wrong, ms), (thesis_wrong, thesis_ms)) =
+        (trims(rows, None)?, trims(rows, Some((10, 1e-3)))?);
     let ratio = ms / thesis_ms;
     Some(format!(
-        "Trims: use exact, {wrong} wrong pixels in figures 22–26 at {ratio:.2} of the time of the thesis' \
+        "Trims: use exact, {wrong} wrong pixels in figures 22–25 at {ratio:.2} of the time of the thesis' \
          ten iterations, which leave {thesis_wrong}. Use the thesis' method to see what it draws."
     ))
 }
 
-/// The nearest way to smooth each mesh, and what it costs.
+/// The nearest way to smooth each mesh, at the finest level that was measured.
 fn meshes(rows: &[&Row]) -> Option<String> {
     let of = || {
         let rows = rows.iter().copied().filter(|row| row.section == "triangles");
-        rows.filter(|row| row.method.ends_with("GPU"))
+        rows.filter(|row| row.method.ends_with("GPU") && row.max_error.is_some())
     };
+    let finest = of().filter_map(|row| row.level).max()?;
     let told: Vec<String> = scenes(of())
         .into_iter()
         .filter_map(|scene| {
-            let here = of().filter(|row| row.scene == scene);
-            let error = |row: &Row| row.max_error.unwrap_or(f64::NAN);
+            let here = of().filter(|row| row.scene == scene && row.level == Some(finest));
+            let error = |row: &Row| row.max_error.unwrap_or(f64::INFINITY);
             let best = here.min_by(|a, b| error(a).total_cmp(&error(b)))?;
-            let way = best.method.trim_end_matches(", GPU");
-            Some(format!("{scene}: {way} at level {} ({:.4})", best.level?, error(best)))
+            Some(format!("{scene}: {} ({:.4})", best.method.trim_end_matches(", GPU"), error(best)))
         })
         .collect();
-    (!told.is_empty()).then(|| format!("Meshes, nearest to the ideal shape: {}.", told.join("; ")))
+    (!told.is_empty()).then(|| {
+        format!("Meshes, nearest to the ideal shape at level {finest}: {}.", told.join("; "))
+    })
 }
 
 /// How exact stands to each peer at all tolerances, and whether it loses anywhere.
@@ -145,7 +126,9 @@ fn losses(rows: &[&Row]) -> Option<String> {
         (!ratios.is_empty())
             .then(|| format!("{how} {peer} (share of its time: {})", ratios.join(", ")))
     };
-    let stands: Vec<String> = [LIBGLU, STATIC].into_iter().filter_map(stands).collect();
+    let mut stands: Vec<String> = [LIBGLU, STATIC].into_iter().filter_map(stands).collect();
+    // A peer that is not there.
+    stands.extend(of(LIBGLU).find_map(|row| Some(format!("{LIBGLU} was {}", row.note.as_ref()?))));
     (!stands.is_empty())
         .then(|| format!("Peers, the teapot at 1920×1080: exact {}.", stands.join("; it ")))
 }
@@ -178,32 +161,10 @@ mod tests {
         let lines = advice(&rows.each_ref());
         assert_eq!(lines.len(), 1, "{lines:?}");
         for words in
-            ["a 0.25", "c, which no level of it reaches", "but slower", "on: b 1.50", "41°"]
+            ["time: a 0.25)", "others (b 1.50)", "only one to hold that on c", "41°", "2.2°"]
         {
             assert!(lines[0].contains(words), "{words}: {}", lines[0]);
         }
-        assert!(lines[0].contains("2.2°"), "{}", lines[0]);
-    }
-
-    #[test]
-    fn trims_are_summed_over_the_figures() {
-        let trim = |method: &str, iterations, wrong, ms| Row {
-            iterations,
-            epsilon: iterations.map(|_| 1e-3),
-            wrong_pixels: Some(wrong),
-            ..row("trimming", "figure", method, ms)
-        };
-        let rows = [
-            trim("exact", None, 0, 3.0),
-            trim("exact", None, 1, 3.0),
-            trim("thesis", Some(10), 70, 6.0),
-            trim("thesis", Some(5), 700, 60.0),
-            // A defect's picture.
-            Row { ms: None, ..trim("exact", None, 5, 0.0) },
-        ];
-        let lines = advice(&rows.each_ref());
-        assert!(lines[0].contains("1 wrong pixels") && lines[0].contains("leave 70"), "{lines:?}");
-        assert!(lines[0].contains("1.00 of the time"), "{lines:?}");
     }
 
     #[test]
@@ -227,9 +188,11 @@ mod tests {
         ] {
             assert!(line.contains(words), "{line}");
         }
-        // What was not installed is not compared.
-        let line = &advice(&[&rows[0], &rows[1]])[0];
-        assert!(!line.contains(LIBGLU), "{line}");
+        // What was not installed is named.
+        let missing = Row { note: Some("not measured: gone".into()), ..peer(LIBGLU, 0.5, 0.0) };
+        let missing = Row { ms: None, tolerance: None, ..missing };
+        let line = &advice(&[&rows[0], &rows[1], &missing])[0];
+        assert!(line.contains("libGLU was not measured: gone") && !line.contains("against libGLU"));
         assert!(advice(&[]).is_empty());
     }
 
@@ -242,10 +205,12 @@ mod tests {
         };
         let rows = [
             mesh("plain, GPU", 1, 0.2),
+            mesh("phong, GPU", 3, 0.001),
             mesh("pn, GPU", 8, 0.01),
             mesh("phong, GPU", 8, 0.03),
             mesh("pn, software, 3 steps", 0, 0.001),
         ];
-        assert!(advice(&rows.each_ref())[0].contains("sphere: pn at level 8 (0.0100)"));
+        let line = &advice(&rows.each_ref())[0];
+        assert!(line.contains("at level 8: sphere: pn (0.0100)"), "{line}");
     }
 }

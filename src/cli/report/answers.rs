@@ -12,7 +12,7 @@ use freeform_surface::{
 use glam::{DVec3, DVec4, Vec3, dvec2, vec3};
 use indicatif::ProgressBar;
 
-use super::lab::Lab;
+use super::lab::{Lab, Wrong};
 use super::triangles;
 
 /// Pixels a unit: two units fill the 300 pixels of a quick report's picture.
@@ -39,10 +39,10 @@ fn square() -> Scene {
 
 #[test]
 fn of_a_plane_nothing_is_off() {
-    let (errors, triangles) = lab(Sources::default(), true).errors(&square()).unwrap();
+    let (errors, figures) = lab(Sources::default(), true).errors(&square()).unwrap();
     assert_eq!((errors.covered, errors.bad_values), (150 * 150, 0));
     assert!(errors.max_error_px < 1e-3 && errors.normal_error_deg < 1e-2, "{errors:?}");
-    assert!(triangles > 0);
+    assert!(figures.triangles > 0);
 }
 
 #[test]
@@ -95,29 +95,23 @@ fn a_border_that_was_moved_by_three_pixels_is_found_there() {
     scene.settings.method = Method::Exact;
     let found = |sources| {
         let mut lab = lab(sources, true);
-        let kept = lab.kept(&scene).unwrap();
-        lab.wrong(&scene, &kept).unwrap()
+        lab.wrong(&scene).unwrap()
     };
     let right = found(Sources::default());
-    assert_eq!((right.pixels, right.distance), (0, 0.0));
+    assert_eq!(right, Wrong { pixels: 0, distance: Some(0.0) });
     let moved = Sources::default().with_edit(
         "common/trim.glsl",
         "uv = clamp(uv, 0.0, 0.99999994);",
         "uv = clamp(uv + vec2(0.02, 0.0), 0.0, 0.99999994);",
     );
     let wrong = found(moved);
-    // Three columns of 90 pixels are drawn in the hole. Of three that are missing beside it, the last
-    // has a neighbour in the hole, which does not count.
-    assert_eq!(wrong.pixels, 3 * 90 + 2 * 90, "{wrong:?}");
-    assert!((wrong.distance - 3.0).abs() <= 1.0, "{wrong:?}");
+    // Three columns of 90 pixels are drawn in the hole, and three are missing beside it.
+    assert_eq!(wrong, Wrong { pixels: 6 * 90, distance: Some(3.0) });
 }
 
 #[test]
 fn a_weight_that_is_off_by_a_thousandth_shows() {
-    let mut scene = Scene::load(
-        &Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/scenes/thesis/fig14.toml"),
-    )
-    .unwrap();
+    let mut scene = lab(Sources::default(), true).scene("scenes/thesis/fig14.toml").unwrap();
     scene.settings.method = Method::Exact;
     scene.settings.tessellation = Tessellation::Level(TessLevel::new(64).unwrap());
     let error = |sources| lab(sources, false).errors(&scene).unwrap().0.max_error_px;
@@ -143,8 +137,7 @@ fn a_trim_that_is_off_by_a_ten_thousandth_shows() {
         let mut lab = lab(sources, false);
         let mut scene = lab.scene("scenes/thesis/fig22.toml").unwrap();
         scene.settings.method = Method::Exact;
-        let kept = lab.kept(&scene).unwrap();
-        wrong.push(lab.wrong(&scene, &kept).unwrap().pixels);
+        wrong.push(lab.wrong(&scene).unwrap().pixels);
     }
     assert!(wrong[0] == 0 && wrong[1] > 10, "{wrong:?}");
 }

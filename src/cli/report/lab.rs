@@ -9,10 +9,10 @@ use freeform_surface::measure::{Measurement, Timing, in_turns_by, measure, measu
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::renderer::{StaticLook, StaticMesh};
 use freeform_surface::{
-    Aovs, DrawnVertex, Error, Frame, Headless, Image, PreparedScene, Renderer, Result, Scene,
-    Trims, reference,
+    Aovs, DrawnVertex, Error, Frame, FrameFigures, Headless, Image, PreparedScene, Renderer,
+    Result, Scene, Trims, reference,
 };
-use glam::{DVec2, UVec2};
+use glam::{DMat4, DVec2, UVec2};
 use indicatif::ProgressBar;
 
 /// Measures scenes in pictures of one size.
@@ -21,12 +21,14 @@ pub(super) struct Lab {
     picture: Framebuffer,
     numbers: FloatTarget,
     renderer: Renderer,
+    /// With shaders that cut nothing.
+    uncut: Renderer,
     /// The device's clock, where it is not the processor itself.
     timer: Option<Timer>,
     context: Headless,
     pub(super) size: (u32, u32),
     /// Times that things are done to find the median of what they take.
-    turns: usize,
+    pub(super) turns: usize,
     pub(super) quick: bool,
     resources: PathBuf,
     bar: ProgressBar,
@@ -36,8 +38,9 @@ pub(super) struct Lab {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Wrong {
     pub(super) pixels: usize,
-    /// From the furthest of them to the nearest pixel on the border, in pixels.
-    pub(super) distance: f64,
+    /// From the furthest of them to the nearest pixel on the other side of the border, in pixels; 0 if there
+    /// are none, and none if there is no border in the picture.
+    pub(super) distance: Option<f64>,
 }
 
 impl Lab {
@@ -49,6 +52,17 @@ impl Lab {
         bar: ProgressBar,
     ) -> Result<Self> {
         let size = if quick { (500, 300) } else { (1000, 600) };
+        let uncut = ["common/trim.glsl", "thesis/trim.glsl"].into_iter().fold(
+            Sources::default(),
+            |sources, file| {
+                sources.with_edit(
+                    file,
+                    "bool cut(vec2 uv)\n{",
+                    "bool cut(vec2 uv)\n{\n    return false;",
+                )
+            },
+        );
+        let uncut = Renderer::with_sources(context.gl(), uncut)?;
         let renderer = Renderer::with_sources(context.gl(), sources)?;
         let is_software = context.info().is_software();
         let timer = if is_software { None } else { Some(Timer::new(context.gl())?) };
@@ -56,6 +70,7 @@ impl Lab {
             picture: Framebuffer::new(context.gl(), size.0, size.1)?,
             numbers: FloatTarget::for_aovs(&renderer, size)?,
             renderer,
+            uncut,
             timer,
             context,
             size,
@@ -112,7 +127,13 @@ impl Lab {
         Scene::load(&self.path(name))
     }
 
-    /// The options that measure a scene in such a picture by hand.
+    /// The command that measures a section again.
+    pub(super) fn report_command(&self, section: &str) -> String {
+        let quick = if self.quick { " --quick" } else { "" };
+        format!("freeform report --only {section}{quick}")
+    }
+
+    /// The command that measures a scene in such a picture by hand.
     pub(super) fn command(&self, scene: &str, options: &str) -> String {
         let (width, height) = self.size;
         format!("freeform measure {scene} {options} --resolution {width}x{height}")
@@ -127,12 +148,11 @@ impl Lab {
     pub(super) fn time(&mut self, scenes: &[Scene]) -> Result<Vec<Timing>> {
         let mut prepared = Vec::with_capacity(scenes.len());
         for scene in scenes {
-            prepared.push((PreparedScene::new(&self.renderer, scene)?, self.frame(scene)));
+            prepared.push((self.prepare(scene)?, Moving::new(self.frame(scene))));
         }
         self.time_frames(scenes.len(), |renderer, number| {
-            let (prepared, frame) = &mut prepared[number];
-            move_on(frame);
-            prepared.draw(renderer, frame).map(drop)
+            let (prepared, camera) = &mut prepared[number];
+            prepared.draw(renderer, &camera.next()).map(drop)
         })
     }
 
@@ -167,56 +187,62 @@ impl Lab {
         })
     }
 
-    /// What each pixel of a scene's picture shows, and its triangles.
-    pub(super) fn numbers(&mut self, scene: &Scene) -> Result<(Aovs, u64)> {
+    /// What each pixel of a scene's picture shows, and what was drawn for it.
+    pub(super) fn numbers(&mut self, scene: &Scene) -> Result<(Aovs, FrameFigures)> {
         let frame = self.frame(scene);
-        let mut prepared = PreparedScene::new(&self.renderer, scene)?;
+        let mut prepared = self.prepare(scene)?;
         let aovs = prepared.aovs(&mut self.renderer, &self.numbers, &frame)?;
-        Ok((aovs, prepared.figures().triangles))
+        Ok((aovs, prepared.figures()))
     }
 
-    /// How far what is drawn of a scene is from its surfaces, and its triangles.
-    pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, u64)> {
-        let (aovs, triangles) = self.numbers(scene)?;
+    /// The same through shaders that cut nothing.
+    fn uncut(&mut self, scene: &Scene) -> Result<Aovs> {
+        let frame = self.frame(scene);
+        self.prepare(scene)?.aovs(&mut self.uncut, &self.numbers, &frame)
+    }
+
+    /// How far what is drawn of a scene is from its surfaces, and what was drawn.
+    pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, FrameFigures)> {
+        let (aovs, figures) = self.numbers(scene)?;
         let projection = self.frame(scene).projection;
-        Ok((measure_drawn(scene, &projection, &aovs), triangles))
+        Ok((measure_drawn(scene, &projection, &aovs), figures))
     }
 
     /// The same, and what is missing or too much.
-    pub(super) fn errors_and_silhouette(&mut self, scene: &Scene) -> Result<(Measurement, u64)> {
-        let (aovs, triangles) = self.numbers(scene)?;
+    pub(super) fn errors_and_silhouette(
+        &mut self,
+        scene: &Scene,
+    ) -> Result<(Measurement, FrameFigures)> {
+        let (aovs, figures) = self.numbers(scene)?;
         let projection = self.frame(scene).projection;
         let method = scene.settings.method;
         let coverage = reference::coverage(scene, &projection, UVec2::from(self.size), method)?;
-        Ok((measure(scene, &projection, &aovs, &coverage), triangles))
+        Ok((measure(scene, &projection, &aovs, &coverage), figures))
     }
 
-    /// Whether the trims of a scene of one surface keep each pixel that it would cover without them:
-    /// what they say, in `f64`, of the place that the pixel would show.
-    pub(super) fn kept(&mut self, scene: &Scene) -> Result<Vec<Option<bool>>> {
-        let mut untrimmed = scene.clone();
-        for surface in &mut untrimmed.surfaces {
-            surface.trims = Trims::default();
-        }
-        let (all, _) = self.numbers(&untrimmed)?;
+    /// The pixels that the trims of a scene of one surface decide wrongly: what they say in `f64` of the
+    /// place that a pixel shows, against whether it is drawn.
+    ///
+    /// Of what is not drawn, the place is that of the same triangles through shaders that cut nothing, also
+    /// where something else shows behind it. What is missing there too was left out by the processor, as wholly cut; it is wrong if without
+    /// trims it and all pixels around it are kept (alone it may be the triangles': without trims others
+    /// are drawn, up to the tolerance away).
+    pub(super) fn wrong(&mut self, scene: &Scene) -> Result<Wrong> {
         let trims = &scene.surfaces[0].trims;
         let keeps = |[u, v, _, drawn]: &[f32; 4]| {
             (*drawn != 0.0).then(|| !trims.cut(DVec2::new(f64::from(*u), f64::from(*v))))
         };
-        Ok(all.uv.iter().map(keeps).collect())
-    }
-
-    /// The pixels that a scene's trims decide wrongly. What is drawn is judged by the place that it
-    /// shows. What is missing has none: it is wrong if [`Lab::kept`] keeps it and all pixels around
-    /// it, because without trims other triangles are drawn, up to the tolerance away.
-    pub(super) fn wrong(&mut self, scene: &Scene, kept: &[Option<bool>]) -> Result<Wrong> {
-        let (left, _) = self.numbers(scene)?;
-        let trims = &scene.surfaces[0].trims;
-        let own = |[u, v, _, drawn]: &[f32; 4]| {
-            (*drawn != 0.0).then(|| !trims.cut(DVec2::new(f64::from(*u), f64::from(*v))))
-        };
-        let drawn: Vec<Option<bool>> = left.uv.iter().map(own).collect();
-        Ok(wrong(kept, &drawn, self.size.0 as usize))
+        let kept = |aovs: &Aovs| aovs.uv.iter().map(keeps).collect::<Vec<_>>();
+        let (left, all) = (self.numbers(scene)?.0, self.uncut(scene)?);
+        let (mut drawn, uncut) = (kept(&left), kept(&all));
+        for (drawn, (left, all)) in drawn.iter_mut().zip(left.uv.iter().zip(&all.uv)) {
+            // Behind what is cut shows something else.
+            drawn.take_if(|_| left.iter().zip(all).any(|(a, b)| (a - b).abs() > 1e-3));
+        }
+        let mut untrimmed = scene.clone();
+        untrimmed.surfaces[0].trims = Trims::default();
+        let whole = kept(&self.numbers(&untrimmed)?.0);
+        Ok(wrong(&Kept { drawn, uncut, whole, width: self.size.0 as usize }))
     }
 
     /// The functions of the context, for objects of a section's own.
@@ -245,59 +271,98 @@ impl Lab {
     pub(super) fn triangles(&mut self, scene: &Scene) -> Result<Vec<DrawnVertex>> {
         self.picture.bind();
         let frame = self.frame(scene);
-        PreparedScene::new(&self.renderer, scene)?.triangles(&mut self.renderer, &frame)
+        self.prepare(scene)?.triangles(&mut self.renderer, &frame)
     }
 
     /// A scene's picture.
     pub(super) fn picture(&mut self, scene: &Scene) -> Result<Image> {
         self.picture.bind();
         let frame = self.frame(scene);
-        PreparedScene::new(&self.renderer, scene)?.draw(&mut self.renderer, &frame)?;
-        let image = self.picture.read();
-        let complaints = self.context.debug_log().take_errors();
-        if complaints.is_empty() {
-            Ok(image)
-        } else {
-            Err(Error::Driver { what: "a picture".into(), reason: complaints.join("; ") })
+        self.prepare(scene)?.draw(&mut self.renderer, &frame)?;
+        Ok(self.picture.read())
+    }
+
+    /// Fails if the driver complained of anything since it was asked last: it may have drawn nothing, and
+    /// that quickly.
+    pub(super) fn check_driver(&self) -> Result<()> {
+        match self.context.debug_log().take_errors().into_iter().next() {
+            None => Ok(()),
+            Some(reason) => Err(Error::Driver { what: "a section".into(), reason }),
         }
     }
 }
 
-/// Moves the camera on by nearly nothing: wherever the eye is, the view is another one.
-pub(super) fn move_on(frame: &mut Frame) {
-    frame.projection.view.w_axis.x *= 1.0 + 1e-9;
-    frame.projection.view.w_axis.x += 1e-9;
+/// A camera that turns to and fro, by an eighth of a degree from frame to frame: every frame has another
+/// view, and what is seen stays in the picture.
+#[derive(Debug, Clone)]
+pub(super) struct Moving {
+    start: Frame,
+    frames: u32,
 }
 
-/// `kept` says of each pixel that the surface covers whether its trims keep it, `drawn` the same of each
-/// that is drawn, by the place that it shows.
-fn wrong(kept: &[Option<bool>], drawn: &[Option<bool>], width: usize) -> Wrong {
-    let place = |i: usize| DVec2::new((i % width) as f64, (i / width) as f64);
-    let differs = |a: usize, b: usize| matches!((kept[a], kept[b]), (Some(a), Some(b)) if a != b);
-    let border: Vec<DVec2> = (0..kept.len())
-        .filter(|i| {
-            i % width + 1 < width && differs(*i, i + 1)
-                || i + width < kept.len() && differs(*i, i + width)
-        })
-        .map(place)
-        .collect();
-    let height = kept.len() / width;
-    let is_missing = |i: usize| {
+impl Moving {
+    /// Frames in one direction.
+    const WAY: u32 = 8;
+
+    pub(super) const fn new(start: Frame) -> Self {
+        Self { start, frames: 0 }
+    }
+
+    pub(super) fn next(&mut self) -> Frame {
+        self.frames += 1;
+        let place = self.frames % (2 * Self::WAY);
+        let steps = place.min(2 * Self::WAY - place);
+        let turn = DMat4::from_rotation_y(f64::from(steps) * 0.125_f64.to_radians());
+        let mut frame = self.start;
+        frame.projection.view = turn * frame.projection.view;
+        frame
+    }
+}
+
+/// Of each pixel whether the trims keep the place that it shows, in `f64`; none where nothing is.
+struct Kept {
+    /// As it is drawn.
+    drawn: Vec<Option<bool>>,
+    /// The same triangles without cuts in the shaders.
+    uncut: Vec<Option<bool>>,
+    /// Without trims.
+    whole: Vec<Option<bool>>,
+    width: usize,
+}
+
+fn wrong(Kept { drawn, uncut, whole, width }: &Kept) -> Wrong {
+    let width = *width;
+    let height = whole.len() / width;
+    let row = |i: usize| {
         let around = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
-        around(i / width, height).all(|row| {
-            around(i % width, width).all(|column| kept[row * width + column] == Some(true))
-        })
+        (around(i / width, height), around(i % width, width))
     };
-    let mut wrong = Wrong::default();
-    for (i, drawn) in drawn.iter().enumerate() {
-        if drawn.map_or_else(|| is_missing(i), |keeps| !keeps) {
-            let nearest =
-                border.iter().map(|at| at.distance_squared(place(i))).fold(f64::INFINITY, f64::min);
-            wrong.pixels += 1;
-            wrong.distance = wrong.distance.max(nearest.sqrt());
-        }
+    let all_around = |i: usize, decision: bool| {
+        let (rows, columns) = row(i);
+        rows.flat_map(|y| columns.clone().map(move |x| y * width + x))
+            .all(|near| whole[near] == Some(decision))
+    };
+    let place = |i: usize| DVec2::new((i % width) as f64, (i / width) as f64);
+    // Pixels beside a border, by which side of it they are on.
+    let beside = |decision: bool| -> Vec<DVec2> {
+        let own = (0..whole.len()).filter(|i| whole[*i] == Some(decision));
+        own.filter(|i| !all_around(*i, decision)).map(place).collect()
+    };
+    let beside = [beside(false), beside(true)];
+    let mut all = Wrong { pixels: 0, distance: Some(0.0) };
+    for i in 0..whole.len() {
+        let own = match (drawn[i], uncut[i]) {
+            (Some(kept), _) => (!kept).then_some(false),
+            (None, Some(kept)) => kept.then_some(true),
+            (None, None) => all_around(i, true).then_some(true),
+        };
+        let Some(own) = own else { continue };
+        let others = &beside[usize::from(!own)];
+        let nearest = others.iter().map(|at| at.distance_squared(place(i))).min_by(f64::total_cmp);
+        all.pixels += 1;
+        all.distance = all.distance.zip(nearest).map(|(most, near)| most.max(near.sqrt()));
     }
-    wrong
+    all
 }
 
 /// Where two pictures differ by more than a shade, in red; elsewhere the first, paler.
@@ -335,18 +400,39 @@ mod tests {
 
     #[test]
     fn a_border_that_was_moved() {
-        // Of ten columns 0 … 4 are kept. By two more the furthest wrong one is 2 from the border.
-        let kept: Vec<_> = (0..30).map(|i| Some(i % 10 < 5)).collect();
-        let drawn = |columns: usize| -> Vec<_> {
-            (0..30).map(|i| (i % 10 < columns).then_some(i % 10 < 5)).collect()
+        // Of ten columns 0 … 4 are kept.
+        let whole: Vec<_> = (0..30).map(|i| Some(i % 10 < 5)).collect();
+        let drawn = |columns: usize| (0..30).map(move |i| (i % 10 < columns).then_some(i % 10 < 5));
+        let found = |columns| {
+            let (drawn, uncut) = (drawn(columns).collect(), whole.clone());
+            wrong(&Kept { drawn, uncut, whole: whole.clone(), width: 10 })
         };
-        assert_eq!(wrong(&kept, &drawn(7), 10), Wrong { pixels: 6, distance: 2.0 });
-        assert_eq!(wrong(&kept, &drawn(5), 10), Wrong::default());
-        // One column less may be the triangles'; of three less the outermost does not count.
-        assert_eq!(wrong(&kept, &drawn(4), 10), Wrong::default());
-        let wide: Vec<_> = (0..70).map(|i| Some(i % 10 < 5)).collect();
-        let few: Vec<_> = (0..70).map(|i| (i % 10 < 2).then_some(true)).collect();
-        assert_eq!(wrong(&wide, &few, 10), Wrong { pixels: 14, distance: 2.0 });
+        assert_eq!(found(5), Wrong { pixels: 0, distance: Some(0.0) });
+        assert_eq!(found(7), Wrong { pixels: 6, distance: Some(2.0) });
+        assert_eq!(found(4), Wrong { pixels: 3, distance: Some(1.0) });
+        assert_eq!(found(2), Wrong { pixels: 9, distance: Some(3.0) });
+    }
+
+    #[test]
+    fn parts_that_are_left_out_wrongly_are_found_and_no_border_has_no_distance() {
+        let whole = vec![Some(true); 30];
+        let drawn: Vec<_> = (0..30).map(|i| (i % 10 < 6).then_some(true)).collect();
+        let found = wrong(&Kept { uncut: drawn.clone(), drawn, whole, width: 10 });
+        assert_eq!(found, Wrong { pixels: 12, distance: None });
+    }
+
+    #[test]
+    fn the_camera_never_rests_and_comes_back() {
+        let scene = Scene::listing16();
+        let start = Frame { projection: scene.projection(8, 8), settings: scene.settings };
+        let mut camera = Moving::new(start);
+        let mut last = start;
+        for number in 1..=32 {
+            let next = camera.next();
+            assert!(next.projection.view != last.projection.view, "{number}");
+            assert_eq!(next.projection.view == start.projection.view, number % 16 == 0);
+            last = next;
+        }
     }
 
     #[test]

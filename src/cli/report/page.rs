@@ -22,14 +22,14 @@ svg, img { max-width: 100%; height: auto }
 figure { margin: 0 } figcaption { font-size: .8rem; overflow-wrap: anywhere }
 .figures { display: grid; gap: .8rem; grid-template-columns: repeat(auto-fit, minmax(min(15rem, 100%), 1fr)) }
 .noisy { color: #a40 } code { overflow-wrap: anywhere }
-@media print { details { display: block } }
+@media print { .scroll { overflow: visible } table { font-size: 5pt } .by-hand { display: none } }
 ";
 
 /// A value of a row as a cell shows it.
 type Cell = fn(&Row) -> Option<String>;
 
 /// The columns of tables: title, and what a cell says if the row has it.
-const COLUMNS: [(&str, Cell); 19] = [
+const COLUMNS: [(&str, Cell); 20] = [
     ("scene", |row| Some(row.scene.clone())),
     ("method", |row| Some(row.method.clone())),
     ("level", |row| row.level.map(|v| v.to_string())),
@@ -48,6 +48,7 @@ const COLUMNS: [(&str, Cell); 19] = [
     ("silhouette pixels", |row| row.silhouette_pixels.map(|v| v.to_string())),
     ("distance", |row| row.max_error.map(|v| format!("{v:.6}"))),
     ("memory, MB", |row| row.memory.map(|v| format!("{:.1}", v as f64 / 1e6))),
+    ("what went wrong", |row| row.note.clone()),
     ("furthest wrong, px", |row| row.max_wrong_distance.map(|v| format!("{v:.1}"))),
 ];
 
@@ -142,12 +143,12 @@ fn table(rows: &[Row]) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { @for (title, _) in &columns { th { (title) } } th { "by hand" } } }
+                thead { tr { @for (title, _) in &columns { th { (title) } } th.by-hand { "by hand" } } }
                 tbody {
                     @for row in rows {
                         tr.noisy[row.is_noisy()] {
                             @for (_, cell) in &columns { td { (cell(row).unwrap_or_default()) } }
-                            td { code { (row.command) } }
+                            td.by-hand { code { (row.command) } }
                         }
                     }
                 }

@@ -4,6 +4,7 @@ mod glu;
 
 use std::collections::HashMap;
 
+use freeform_surface::gpu::DebugLog;
 use freeform_surface::measure::Timing;
 use freeform_surface::renderer::programs::TrimFeatures;
 use freeform_surface::renderer::{StaticLook, StaticMesh, StaticVertex};
@@ -13,7 +14,7 @@ use freeform_surface::{
 use glam::{DMat4, Vec3};
 
 use super::Section;
-use super::lab::{Lab, move_on};
+use super::lab::{Lab, Moving};
 use super::plot::{Line, plot};
 use super::row::Row;
 use glu::{Glu, Patches};
@@ -23,9 +24,6 @@ const SIZE: (u32, u32) = (1920, 1080);
 pub(super) const SCENE: &str = "teapot";
 pub(super) const LIBGLU: &str = "libGLU";
 pub(super) const STATIC: &str = "static mesh";
-
-/// Triangles as vertices and indices.
-type Indexed = (Vec<StaticVertex>, Vec<u32>);
 
 pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     let mut section = Section::new(
@@ -45,27 +43,30 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
 }
 
 fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
-    let scene = lab.scene("scenes/gallery/teapot.toml")?;
+    let mut scene = lab.scene("scenes/gallery/teapot.toml")?;
+    scene.settings.method = Method::Exact;
+    scene.settings.samples = Default::default();
     let tolerances: &[f64] = if lab.quick { &[0.5] } else { &[4.0, 2.0, 1.0, 0.5, 0.25] };
-    let mut glu = match Glu::load() {
-        Ok(glu) => Some(glu),
+    let mut peer = match Glu::load().and_then(|glu| Ok((glu, Patches::of(&scene)?))) {
+        Ok(peer) => Some(peer),
         Err(reason) => {
-            section.findings.push(format!("libGLU was not measured: {reason}."));
+            let note = Some(format!("not measured: {reason}"));
+            section.rows.push(Row { note, ..Row::new("peers", SCENE, LIBGLU) });
             None
         }
     };
-    let names = ["exact", STATIC, LIBGLU];
-    let mut lines = names.map(|name| Line { name: name.into(), points: Vec::new() });
     lab.begin(tolerances.len());
     for tolerance in tolerances {
         lab.step(format!("peers: {tolerance} px"));
-        let rows = rows(lab, &scene, *tolerance, glu.as_mut())?;
-        for (row, line) in rows.iter().zip(&mut lines) {
-            line.points.extend(row.ms.zip(row.max_error_px));
-        }
-        section.rows.extend(rows);
+        scene.settings.tessellation = Tessellation::Within(Tolerance::new(*tolerance)?);
+        section.rows.extend(rows(lab, &scene, *tolerance, peer.as_mut())?);
     }
-    let lines: Vec<Line> = lines.into_iter().filter(|line| !line.points.is_empty()).collect();
+    let line = |name: &str| {
+        let of = section.rows.iter().filter(|row| row.method == name);
+        let points = of.filter_map(|row| row.ms.zip(row.max_error_px)).collect();
+        Line { name: name.into(), points }
+    };
+    let lines = ["exact", STATIC, LIBGLU].map(line);
     let title = "teapot at 1920×1080: largest error over time; the line across is 0.5 px";
     let svg = plot("milliseconds a frame", "largest error, pixels", &lines, Some(0.5))?;
     section.plots.push((title.into(), svg));
@@ -78,19 +79,14 @@ fn rows(
     lab: &mut Lab,
     scene: &Scene,
     tolerance: f64,
-    mut glu: Option<&mut Glu>,
+    mut peer: Option<&mut (Glu, Patches)>,
 ) -> Result<Vec<Row>> {
-    let mut scene = scene.clone();
-    scene.settings.method = Method::Exact;
-    scene.settings.tessellation = Tessellation::Within(Tolerance::new(tolerance)?);
-    scene.settings.samples = Default::default();
-    let frame = lab.frame(&scene);
-    let corners = lab.triangles(&scene)?;
-    let mesh = indexed(&corners, frame.projection.view);
+    let frame = lab.frame(scene);
+    let corners = lab.triangles(scene)?;
+    let (vertices, indices) = indexed(&corners, frame.projection.view);
     let gl = lab.gl();
-    let still = StaticMesh::new(&gl, &mesh.0, &mesh.1)?;
-    let mut streamed = StaticMesh::new(&gl, &mesh.0, &mesh.1)?;
-    let patches = Patches::of(&scene);
+    let still = StaticMesh::new(&gl, &vertices, &indices)?;
+    let mut streamed = StaticMesh::new(&gl, &vertices, &indices)?;
     let texture = scene.surfaces[0].paint.upload(&gl)?;
     let look = StaticLook {
         method: Method::Exact,
@@ -98,41 +94,40 @@ fn rows(
         trims: TrimFeatures::NONE,
         texture: &texture,
     };
-    let mut prepared = lab.prepare(&scene)?;
-    let mut frames = [frame; 3];
+    let mut prepared = lab.prepare(scene)?;
+    let mut cameras = vec![Moving::new(frame); 2 + usize::from(peer.is_some())];
     let background = scene.settings.background;
-    let ways = if glu.is_some() { 3 } else { 2 };
     let size = lab.size;
-    let timings = lab.time_frames(ways, |renderer, way| {
-        let frame = &mut frames[way];
-        move_on(frame);
-        match (way, glu.as_deref_mut()) {
-            (0, _) => return prepared.draw(renderer, frame).map(drop),
-            (1, _) | (_, None) => {
-                renderer.clear(background);
-                renderer.draw_static(&still, &look, frame)
-            }
-            (_, Some(glu)) => {
-                fill(&mut streamed, glu, &patches, frame, size, tolerance)?;
-                renderer.clear(background);
+    let timings = lab.time_frames(cameras.len(), |renderer, way| {
+        let frame = &cameras[way].next();
+        if way == 0 {
+            return prepared.draw(renderer, frame).map(drop);
+        }
+        renderer.clear(background);
+        match peer.as_deref_mut().filter(|_| way == 2) {
+            None => renderer.draw_static(&still, &look, frame),
+            Some(peer) => {
+                fill(&mut streamed, peer, &gl, frame, size, tolerance)?;
                 renderer.draw_static(&streamed, &look, frame)
             }
         }
     })?;
     let row = |name: &str, timing: Timing| Row {
         tolerance: Some(tolerance),
-        patches: Some(corners.iter().map(|corner| corner.patch + 1).max().unwrap_or(0) as usize),
-        command: "freeform report --only peers".into(),
+        patches: Some(prepared.figures().patches),
+        command: lab.report_command("peers"),
         ..Row::new("peers", SCENE, name).timed(timing)
     };
-    let (errors, triangles) = lab.errors(&scene)?;
-    let mut rows = vec![row("exact", timings[0]).measured(&errors, triangles)];
-    let errors = lab.static_errors(&still, &look, &scene)?;
-    rows.push(row(STATIC, timings[1]).measured(&errors, still.triangles() as u64));
-    if let Some(glu) = glu {
-        fill(&mut streamed, glu, &patches, &frame, size, tolerance)?;
-        let errors = lab.static_errors(&streamed, &look, &scene)?;
-        rows.push(row(LIBGLU, timings[2]).measured(&errors, streamed.triangles() as u64));
+    let mut rows = vec![row("exact", timings[0]), row(STATIC, timings[1])];
+    rows.extend(timings.get(2).map(|timing| row(LIBGLU, *timing)));
+    let (errors, figures) = lab.errors(scene)?;
+    rows[0] = rows[0].clone().measured(&errors, figures.triangles);
+    let errors = lab.static_errors(&still, &look, scene)?;
+    rows[1] = rows[1].clone().measured(&errors, still.triangles() as u64);
+    if let Some(peer) = peer {
+        fill(&mut streamed, peer, &gl, &frame, size, tolerance)?;
+        let errors = lab.static_errors(&streamed, &look, scene)?;
+        rows[2] = rows[2].clone().measured(&errors, streamed.triangles() as u64);
     }
     Ok(rows)
 }
@@ -140,20 +135,22 @@ fn rows(
 /// libGLU's triangles for a frame.
 fn fill(
     mesh: &mut StaticMesh,
-    glu: &mut Glu,
-    patches: &Patches,
+    (glu, patches): &mut (Glu, Patches),
+    gl: &glow::Context,
     frame: &Frame,
     size: (u32, u32),
     tolerance: f64,
 ) -> Result<()> {
-    let made = glu
-        .tessellate(patches, &frame.projection, size, tolerance)
-        .map_err(|reason| Error::Driver { what: "libGLU's triangles".into(), reason })?;
+    // It switches on and off what only old contexts have, though it draws nothing.
+    let made =
+        DebugLog::unheard(gl, move || glu.tessellate(patches, &frame.projection, size, tolerance));
+    let made =
+        made.map_err(|reason| Error::Driver { what: "libGLU's triangles".into(), reason })?;
     mesh.replace(&made.vertices, &made.indices)
 }
 
 /// The triangles that a frame draws, each corner of a patch once.
-fn indexed(corners: &[DrawnVertex], view: DMat4) -> Indexed {
+fn indexed(corners: &[DrawnVertex], view: DMat4) -> (Vec<StaticVertex>, Vec<u32>) {
     let to_world = view.inverse();
     let mut numbers = HashMap::new();
     let (mut vertices, mut indices) = (Vec::new(), Vec::with_capacity(corners.len()));

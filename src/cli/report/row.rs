@@ -7,7 +7,7 @@ use serde::Serialize;
 /// A spread above this share of the median is pointed out.
 pub(super) const NOISY: f64 = 0.2;
 
-/// One thing that was measured. What does not apply is none, and null in JSON.
+/// One thing that was measured. What does not apply is none, and null in JSON, as is what is infinite.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub(super) struct Row {
     pub(super) section: &'static str,
@@ -35,6 +35,8 @@ pub(super) struct Row {
     pub(super) max_error: Option<f64>,
     /// Bytes that the process grew by.
     pub(super) memory: Option<u64>,
+    /// What went wrong, in words.
+    pub(super) note: Option<String>,
     pub(super) command: String,
 }
 
@@ -62,10 +64,93 @@ impl Row {
     }
 }
 
+/// Wrong pixels and milliseconds of all trimmed figures together, by the exact method or with so many
+/// iterations and this epsilon. Figures of lines are not counted, pictures of defects not timed.
+pub(super) fn trims(rows: &[&Row], newton: Option<(u32, f64)>) -> Option<(usize, f64)> {
+    let mut sum = None;
+    for row in rows
+        .iter()
+        .filter(|row| row.section == "trimming" && row.iterations.zip(row.epsilon) == newton)
+    {
+        if let (Some(pixels), Some(ms)) = (row.wrong_pixels, row.ms) {
+            let (all_pixels, all_ms) = sum.unwrap_or_default();
+            sum = Some((all_pixels + pixels, all_ms + ms));
+        }
+    }
+    sum
+}
+
+/// Half a pixel of a scene: the exact method with that tolerance, and the fastest level of the thesis that
+/// was measured to hold it.
+pub(super) fn half_a_pixel<'a>(rows: &[&'a Row], scene: &str) -> [Option<&'a Row>; 2] {
+    let here = || {
+        let rows = rows.iter().copied();
+        rows.filter(move |row| row.section == "tessellation" && row.scene == scene)
+    };
+    let holds = |row: &&Row| row.max_error_px.is_some_and(|error| error <= 0.5);
+    let ms = |row: &Row| row.ms.unwrap_or(f64::INFINITY);
+    [
+        here().find(|row| row.method == "exact" && row.tolerance == Some(0.5)),
+        here()
+            .filter(|row| row.method == "thesis")
+            .filter(holds)
+            .min_by(|a, b| ms(a).total_cmp(&ms(b))),
+    ]
+}
+
 /// The name of a method in rows and on command lines.
 pub(super) const fn name(method: Method) -> &'static str {
     match method {
         Method::Exact => "exact",
         Method::Thesis => "thesis",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn trims_are_summed_where_they_are_counted_and_timed() {
+        let trim = |newton: Option<(u32, f64)>, wrong_pixels, ms| Row {
+            iterations: newton.map(|(iterations, _)| iterations),
+            epsilon: newton.map(|(_, epsilon)| epsilon),
+            wrong_pixels,
+            ms,
+            ..Row::new("trimming", "figure", "a method")
+        };
+        let usual = Some((10, 1e-3));
+        let rows = [
+            trim(usual, Some(3), Some(1.0)),
+            trim(usual, None, Some(50.0)),
+            trim(None, Some(7), None),
+            trim(Some((5, 1e-3)), Some(9), Some(2.0)),
+            trim(usual, Some(4), Some(2.5)),
+        ];
+        let rows = rows.each_ref();
+        assert_eq!(trims(&rows, usual), Some((7, 3.5)));
+        assert_eq!(trims(&rows, None), None);
+    }
+
+    #[test]
+    fn the_fastest_level_that_holds_half_a_pixel_is_found() {
+        let row = |method: &str, level, tolerance, ms, error| Row {
+            level,
+            tolerance,
+            ms: Some(ms),
+            max_error_px: Some(error),
+            ..Row::new("tessellation", "teapot", method)
+        };
+        let rows = [
+            row("exact", None, Some(1.0), 1.0, 0.3),
+            row("exact", None, Some(0.5), 3.0, 0.2),
+            row("thesis", Some(16), None, 2.0, 0.7),
+            row("thesis", Some(64), None, 8.0, 0.1),
+            row("thesis", Some(32), None, 5.0, 0.4),
+        ];
+        let [ours, thesis] = half_a_pixel(&rows.each_ref(), "teapot");
+        assert_eq!(ours.map(|row| row.ms), Some(Some(3.0)));
+        assert_eq!(thesis.map(|row| row.level), Some(Some(32)));
+        assert_eq!(half_a_pixel(&rows.each_ref(), "sphere"), [None; 2]);
     }
 }

@@ -1,8 +1,9 @@
 //! Section 5: the hard cases, both methods side by side.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use freeform_surface::{Method, NewtonTrims, Result, Scene};
+use freeform_surface::measure::Measurement;
+use freeform_surface::{AovKind, Method, NewtonTrims, Result, Scene};
 
 use super::lab::{Lab, Wrong};
 use super::row::{Row, name};
@@ -12,62 +13,88 @@ use super::{Figure, Section};
 const SIZE: (u32, u32) = (300, 180);
 /// Width of the small pictures.
 const THUMBNAIL: u32 = 200;
+/// A picture that is further off than this is wrong, whatever level was asked for.
+const FAR_PX: f64 = 0.5;
+/// So is one whose normals are turned further.
+const TURNED_DEG: f64 = 15.0;
 
 pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     let mut section = Section::new(
         "stability",
         "Stability: the hard cases",
-        "One scene for each thing that is hard. Wrong pixels are those that trims decide wrongly. Of what \
-         is hard to tessellate, the pixels count whose coverage differs from the surface's own, which \
-         triangles within the tolerance may do along silhouettes. What the thesis' method cannot draw \
-         at all has no row of it.",
+        "One scene for each thing that is hard, in pictures of 300×180, and what went wrong. Wrong pixels \
+         are those that trims decide wrongly. Silhouette pixels are those whose coverage differs from the \
+         surface's own, which triangles within the tolerance may do. What a method cannot draw at all it \
+         refuses, and says why. Meshes are drawn in the one way that there is.",
     );
     let size = lab.size;
     lab.resize(SIZE)?;
+    let measured = measure(lab, &mut section);
+    lab.resize(size)?;
+    measured?;
+    section.findings = findings(&section.rows);
+    Ok(section)
+}
+
+fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
     let mut cases = cases(lab)?;
     if lab.quick {
         cases.retain(|(name, _)| QUICK.contains(&name.as_str()));
     }
     lab.begin(cases.len());
-    let (mut better, mut wrong) = (0, Vec::new());
     for (case, path) in &cases {
         lab.step(format!("stability: {case}"));
-        let Ok(scene) = Scene::load(path) else { continue };
-        let mut counts = [None; 2];
-        for (count, method) in counts.iter_mut().zip([Method::Exact, Method::Thesis]) {
+        let scene = Scene::load(path)?;
+        if !scene.meshes.is_empty() {
+            row_of_mesh(lab, case, &scene, section)?;
+            continue;
+        }
+        for method in [Method::Exact, Method::Thesis] {
             let mut scene = scene.clone();
             scene.settings.method = method;
-            if method == Method::Thesis && thesis_refuses(&scene) {
-                continue;
-            }
-            *count = Some(row_of(lab, case, &scene, &path.display().to_string(), &mut section)?);
-        }
-        match counts {
-            [Some(exact), Some(thesis)] if exact < thesis => better += 1,
-            [Some(exact), Some(thesis)] if exact > thesis => wrong.push(case.as_str()),
-            _ => {}
+            row_of(lab, case, &scene, path, section)?;
         }
     }
-    lab.resize(size)?;
-    section.findings.push(format!(
-        "Of {} hard cases exact has fewer wrong or silhouette pixels in {better}, more in {}{}.",
-        cases.len(),
-        wrong.len(),
-        if wrong.is_empty() { String::new() } else { format!(" ({})", wrong.join(", ")) }
-    ));
-    Ok(section)
+    Ok(())
 }
 
-/// Whether the thesis' method has no way to cut the loops of a scene.
-fn thesis_refuses(scene: &Scene) -> bool {
-    scene.surfaces.iter().any(|surface| NewtonTrims::of(&surface.trims).is_err())
+/// In how many cases nothing went wrong, by each method, and in which of them something did by exact.
+fn findings(rows: &[Row]) -> Vec<String> {
+    let of = |method: &str| {
+        let rows: Vec<&Row> = rows.iter().filter(|row| row.method == method).collect();
+        let wrong: Vec<&Row> = rows.iter().copied().filter(|row| row.note.is_some()).collect();
+        (!rows.is_empty()).then(|| (rows.len(), wrong))
+    };
+    let named = |wrong: &[&Row]| {
+        let told =
+            |row: &&Row| format!("{}: {}", row.scene, row.note.as_deref().unwrap_or_default());
+        wrong.iter().map(told).collect::<Vec<_>>().join("; ")
+    };
+    let mut findings = Vec::new();
+    for method in ["exact", "thesis", MESHES] {
+        if let Some((all, wrong)) = of(method) {
+            let names = match (method, wrong.is_empty()) {
+                ("thesis", _) | (_, true) => String::new(),
+                _ => format!(" ({})", named(&wrong)),
+            };
+            findings.push(format!(
+                "{method}: in {} of {all} cases something goes wrong{names}.",
+                wrong.len()
+            ));
+        }
+    }
+    findings
 }
+
+/// How the rows of meshes call their method.
+const MESHES: &str = "smooth triangles";
 
 /// Cases of a quick report: one of each kind.
-const QUICK: [&str; 6] = [
+const QUICK: [&str; 7] = [
     "tess-collapsed-edge",
     "tess-near-plane",
     "tess-offset-1e6",
+    "tri-needle",
     "trim-counter-clockwise",
     "trim-ends-on-two-rows",
     "trim-sliver",
@@ -85,9 +112,7 @@ fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
     for entry in std::fs::read_dir(&folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();
         let case = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        // Meshes have no surfaces to be measured by.
-        let is_surface = case.starts_with("tess-") || case.starts_with("trim-");
-        if is_surface && !case.contains("refused") {
+        if !case.contains("refused") {
             cases.push((case, path));
         }
     }
@@ -95,35 +120,141 @@ fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
     Ok(cases)
 }
 
-/// Adds the row and picture of a case by one method, and counts its wrong or silhouette pixels.
+/// Adds the row and picture of a case by one method.
 fn row_of(
     lab: &mut Lab,
     case: &str,
     scene: &Scene,
-    path: &str,
+    path: &Path,
     section: &mut Section,
-) -> Result<usize> {
-    let method = scene.settings.method;
-    let row = Row::new("stability", case, name(method));
+) -> Result<()> {
+    let method = name(scene.settings.method);
+    let row = Row::new("stability", case, method);
+    let refused = scene.surfaces.iter().find_map(|surface| NewtonTrims::of(&surface.trims).err());
+    if let (Method::Thesis, Some(error)) = (scene.settings.method, refused) {
+        section.rows.push(Row { note: Some(format!("refused: {error}")), ..row });
+        return Ok(());
+    }
     // The border of trims is compared by their own answers, which are sharper than a silhouette's.
-    let (pixels, what, row) = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
-        let kept = lab.kept(scene)?;
-        let Wrong { pixels, distance } = lab.wrong(scene, &kept)?;
-        let (wrong_pixels, max_wrong_distance) = (Some(pixels), Some(distance));
-        (pixels, "wrong", Row { wrong_pixels, max_wrong_distance, ..row })
+    let row = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
+        let wrong = lab.wrong(scene)?;
+        Row {
+            wrong_pixels: Some(wrong.pixels),
+            max_wrong_distance: wrong.distance,
+            note: note_of_trims(wrong),
+            command: lab.report_command("stability"),
+            ..row
+        }
     } else {
-        let (errors, triangles) = lab.errors_and_silhouette(scene)?;
-        let silhouette_pixels = Some(errors.silhouette_pixels);
-        let row = Row { silhouette_pixels, ..row.measured(&errors, triangles) };
-        (errors.silhouette_pixels, "silhouette", row)
+        let (errors, figures) = lab.errors_and_silhouette(scene)?;
+        Row {
+            silhouette_pixels: Some(errors.silhouette_pixels),
+            note: note_of(&errors, figures.unmet),
+            command: lab.command(&path.display().to_string(), &format!("--method {method}")),
+            ..row.measured(&errors, figures.triangles)
+        }
     };
-    let command = lab.command(path, &format!("--method {}", name(method)));
-    section.rows.push(Row { command, ..row });
+    show(lab, scene, &row, section)?;
+    section.rows.push(row);
+    Ok(())
+}
+
+/// Adds the row and picture of a mesh.
+fn row_of_mesh(lab: &mut Lab, case: &str, scene: &Scene, section: &mut Section) -> Result<()> {
+    let (aovs, figures) = lab.numbers(scene)?;
+    let numbers = AovKind::ALL.iter().flat_map(|kind| aovs.channel(*kind).as_flattened());
+    let bad = numbers.filter(|value| !value.is_finite()).count();
+    let drawn = aovs.uv.iter().any(|[.., drawn]| *drawn != 0.0);
+    let row = Row {
+        triangles: Some(figures.triangles),
+        note: match (drawn, bad) {
+            (false, _) => Some("nothing is drawn".into()),
+            (true, 0) => None,
+            (true, _) => Some(format!("{bad} numbers are none")),
+        },
+        command: lab.report_command("stability"),
+        ..Row::new("stability", case, MESHES)
+    };
+    show(lab, scene, &row, section)?;
+    section.rows.push(row);
+    Ok(())
+}
+
+/// Adds the small picture of a row.
+fn show(lab: &mut Lab, scene: &Scene, row: &Row, section: &mut Section) -> Result<()> {
     let picture = lab.picture(scene)?;
     let height = THUMBNAIL * picture.height() / picture.width();
+    let note = row.note.as_deref().unwrap_or("nothing goes wrong");
     section.figures.push(Figure {
-        caption: format!("{case}, {}: {pixels} {what} pixels", name(method)),
+        caption: format!("{}, {}: {note}", row.scene, row.method),
         image: image::imageops::thumbnail(&picture, THUMBNAIL, height),
     });
-    Ok(pixels)
+    Ok(())
+}
+
+fn note_of_trims(Wrong { pixels, distance }: Wrong) -> Option<String> {
+    let how_far =
+        distance.map_or("with no border in sight".into(), |px| format!("up to {px:.1} px away"));
+    (pixels > 0).then(|| format!("{pixels} wrong pixels, {how_far}"))
+}
+
+/// What is wrong of a surface; `unmet` is what a tolerance that is not met leaves.
+fn note_of(errors: &Measurement, unmet: Option<f64>) -> Option<String> {
+    let mut notes = Vec::new();
+    if let Some(unmet) = unmet {
+        notes.push(format!("tolerance not met, up to {unmet:.2} px"));
+    }
+    if errors.max_error_px > FAR_PX {
+        notes.push(format!("up to {:.1} px off", errors.max_error_px));
+    }
+    if errors.normal_error_deg > TURNED_DEG {
+        notes.push(format!("normals up to {:.0}° off or missing", errors.normal_error_deg));
+    }
+    for (count, what) in
+        [(errors.crack_pixels, "cracks"), (errors.bad_values, "numbers that are none")]
+    {
+        if count > 0 {
+            notes.push(format!("{count} {what}"));
+        }
+    }
+    (!notes.is_empty()).then(|| notes.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_goes_wrong_is_said() {
+        let fine =
+            Measurement { max_error_px: 0.4, normal_error_deg: 2.0, ..Measurement::default() };
+        assert_eq!(note_of(&fine, None), None);
+        let bad = Measurement {
+            max_error_px: 3.25,
+            normal_error_deg: 48.0,
+            crack_pixels: 2,
+            bad_values: 1,
+            ..fine
+        };
+        let expected = "tolerance not met, up to 4.00 px, up to 3.2 px off, normals up to 48° off or \
+                        missing, 2 cracks, 1 numbers that are none";
+        assert_eq!(note_of(&bad, Some(4.0)).as_deref(), Some(expected));
+        let wrong = |pixels, distance| note_of_trims(Wrong { pixels, distance });
+        assert_eq!(wrong(0, Some(0.0)), None);
+        assert_eq!(wrong(7, Some(2.0)).as_deref(), Some("7 wrong pixels, up to 2.0 px away"));
+        assert_eq!(wrong(7, None).as_deref(), Some("7 wrong pixels, with no border in sight"));
+    }
+
+    #[test]
+    fn cases_that_go_wrong_are_counted_and_named() {
+        let row = |method: &str, scene: &str, note: Option<&str>| Row {
+            note: note.map(String::from),
+            ..Row::new("stability", scene, method)
+        };
+        let rows =
+            [row("exact", "a", None), row("exact", "b", Some("far off")), row("thesis", "a", None)];
+        let findings = findings(&rows);
+        assert_eq!(findings[0], "exact: in 1 of 2 cases something goes wrong (b: far off).");
+        assert_eq!(findings[1], "thesis: in 0 of 1 cases something goes wrong.");
+    }
 }

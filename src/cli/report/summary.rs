@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 
 use super::page::Head;
 use super::peers::{LIBGLU, STATIC};
-use super::row::Row;
+use super::row::{Row, half_a_pixel, trims};
 
-/// Half a pixel of the teapot by all who drew it, and the trims of the thesis' figures 22–26, as far as
+/// Half a pixel of the teapot by all who drew it, and the trims of the thesis' figures 22–25, as far as
 /// the rows tell.
 pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
     let mut text = format!(
@@ -38,35 +38,19 @@ pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
         };
         line(format!("teapot, 1920×1080: {what}"), row);
     }
-    let teapot =
-        || rows.iter().filter(|row| (row.section, &*row.scene) == ("tessellation", "teapot"));
-    if let Some(row) = teapot().find(half) {
-        line("teapot, smaller: **exact, to 0.5 px**".into(), row);
+    let [ours, thesis] = half_a_pixel(rows, "teapot");
+    if let Some(row) = ours {
+        line("teapot from nearer, 1000×600: **exact, to 0.5 px**".into(), row);
     }
-    let holds = |row: &&&Row| row.method == "thesis" && row.max_error_px.is_some_and(|e| e <= 0.5);
-    if let Some((row, level)) =
-        teapot().filter(holds).filter_map(|row| Some((row, row.level?))).min_by_key(|(_, at)| *at)
-    {
-        line(format!("teapot, smaller: thesis, level {level}, found by hand"), row);
+    if let Some((row, level)) = thesis.and_then(|row| Some((row, row.level?))) {
+        line(format!("teapot from nearer, 1000×600: thesis, level {level}, found by hand"), row);
     }
-    for (method, iterations, what) in
-        [("exact", None, "**exact**"), ("thesis", Some(10), "thesis, 10 iterations, epsilon 0.001")]
+    for (newton, what) in
+        [(None, "**exact**"), (Some((10, 1e-3)), "thesis, 10 iterations, epsilon 0.001")]
     {
-        let of = |row: &&&Row| {
-            row.section == "trimming"
-                && row.method == method
-                && row.ms.is_some()
-                && row.iterations == iterations
-                && row.epsilon.is_none_or(|epsilon| epsilon == 1e-3)
-        };
-        if rows.iter().any(|row| of(&row)) {
-            let trims = || rows.iter().filter(of);
-            let all = Row {
-                ms: trims().map(|row| row.ms).sum(),
-                wrong_pixels: trims().map(|row| row.wrong_pixels).sum(),
-                ..Row::default()
-            };
-            line(format!("trims, figures 22–26 together: {what}"), &all);
+        if let Some((wrong, ms)) = trims(rows, newton) {
+            let all = Row { ms: Some(ms), wrong_pixels: Some(wrong), ..Row::default() };
+            line(format!("trims, figures 22–25 together: {what}"), &all);
         }
     }
     text
@@ -93,7 +77,7 @@ mod tests {
         let rows = [
             at_half(row("peers", "teapot", "exact", 1.5)),
             at_half(row("peers", "teapot", LIBGLU, 3.0)),
-            level(64, 0.1),
+            Row { ms: Some(7.0), ..level(64, 0.1) },
             level(32, 0.4),
             level(16, 0.9),
             trim(1, 1.0),

@@ -1,13 +1,11 @@
 //! Section 1: speed against error of both methods, by levels and by tolerance.
 
-use std::sync::Arc;
-
 use freeform_surface::{Method, Result, Scene, TessLevel, Tessellation, Tolerance};
 
 use super::Section;
 use super::lab::Lab;
 use super::plot::{Line, plot};
-use super::row::{Row, name};
+use super::row::{Row, half_a_pixel, name};
 
 const SCENES: [(&str, &str); 4] = [
     ("teapot", "surfaces/teapot.bpt"),
@@ -81,13 +79,12 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         lab.step(format!("tessellation: {scene_name}"));
         let mut scene = lab.scene(path)?;
         scene.settings.samples = Default::default();
-        let scene = Arc::new(scene);
         let scenes: Vec<Scene> = ways.iter().map(|way| way.apply(&scene)).collect();
         let timings = lab.time(&scenes)?;
         let file = lab.path(path).display().to_string();
         let mut lines: Vec<Line> = Vec::new();
         for ((way, scene), timing) in ways.iter().zip(&scenes).zip(timings) {
-            let (errors, triangles) = lab.errors(scene)?;
+            let (errors, figures) = lab.errors(scene)?;
             let (level, tolerance) = match way.tessellation {
                 Tessellation::Level(level) => (Some(level.get()), None),
                 Tessellation::Within(tolerance) => (None, Some(tolerance.pixels())),
@@ -100,7 +97,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
                 command: lab.command(&file, &options),
                 ..Row::new("tessellation", scene_name, name(way.method))
             };
-            section.rows.push(row.timed(timing).measured(&errors, triangles));
+            section.rows.push(row.timed(timing).measured(&errors, figures.triangles));
             let point = (timing.ms, errors.max_error_px);
             match lines.iter_mut().find(|line| line.name == way.line()) {
                 Some(line) => line.points.push(point),
@@ -115,39 +112,31 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     Ok(section)
 }
 
-/// For each scene the fastest way of each method to stay within half a pixel.
+/// For each scene what half a pixel costs by tolerance and by the thesis' best level.
 fn findings(rows: &[Row]) -> Vec<String> {
-    let mut findings = Vec::new();
-    for (scene, _) in SCENES {
-        let best = |is_ours: &dyn Fn(&Row) -> bool| {
-            rows.iter()
-                .filter(|row| row.scene == scene && is_ours(row))
-                .filter(|row| row.max_error_px.is_some_and(|error| error <= 0.5))
-                .min_by(|a, b| a.ms.unwrap_or(f64::MAX).total_cmp(&b.ms.unwrap_or(f64::MAX)))
-        };
-        let ours = best(&|row| row.method == "exact" && row.tolerance.is_some());
-        let levels = best(&|row| row.method == "thesis");
-        findings.push(match (ours, levels) {
-            (Some(ours), Some(levels)) => format!(
-                "{scene}: half a pixel costs {:.1} ms by tolerance ({} triangles); the thesis needs \
-                 level {} and {:.1} ms ({} triangles), with normals up to {:.1}° off.",
-                ours.ms.unwrap_or(f64::NAN),
-                ours.triangles.unwrap_or(0),
-                levels.level.unwrap_or(0),
-                levels.ms.unwrap_or(f64::NAN),
-                levels.triangles.unwrap_or(0),
-                levels.normal_error_deg.unwrap_or(f64::NAN),
+    let rows: Vec<&Row> = rows.iter().collect();
+    let cost = |row: &Row| {
+        let (ms, triangles) = (row.ms.unwrap_or(f64::NAN), row.triangles.unwrap_or(0));
+        format!("{ms:.1} ms ({triangles} triangles)")
+    };
+    let of_scene = |(scene, _): (&str, &str)| {
+        let [ours, thesis] = half_a_pixel(&rows, scene);
+        let ours = cost(ours?);
+        Some(match thesis {
+            Some(row) => format!(
+                "{scene}: half a pixel costs {ours} by tolerance; the thesis needs level {}, {}, with \
+                 normals up to {:.1}° off.",
+                row.level.unwrap_or(0),
+                cost(row),
+                row.normal_error_deg.unwrap_or(f64::NAN),
             ),
-            (Some(ours), None) => format!(
-                "{scene}: half a pixel costs {:.1} ms by tolerance ({} triangles); no level of the \
-                 thesis that was measured reaches it.",
-                ours.ms.unwrap_or(f64::NAN),
-                ours.triangles.unwrap_or(0),
+            None => format!(
+                "{scene}: half a pixel costs {ours} by tolerance; no level of the thesis that was measured \
+                 reaches it."
             ),
-            (None, _) => format!("{scene}: no tolerance that was measured reached half a pixel."),
-        });
-    }
-    findings
+        })
+    };
+    SCENES.into_iter().filter_map(of_scene).collect()
 }
 
 #[cfg(test)]
@@ -155,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fastest_row_within_half_a_pixel_is_named() {
+    fn the_best_level_is_told_beside_the_tolerance() {
         let row = |method: &str, level, tolerance, ms, error| Row {
             level,
             tolerance,
@@ -166,16 +155,11 @@ mod tests {
         };
         let rows = [
             row("exact", None, Some(0.5), 3.0, 0.3),
-            row("exact", None, Some(0.1), 9.0, 0.05),
             row("thesis", Some(16), None, 2.0, 0.7),
             row("thesis", Some(32), None, 5.0, 0.4),
-            row("thesis", Some(64), None, 8.0, 0.1),
         ];
         let text = &findings(&rows)[0];
-        assert!(
-            text.contains("3.0 ms by tolerance") && text.contains("level 32 and 5.0 ms"),
-            "{text}"
-        );
-        assert!(findings(&rows[..3])[0].contains("no level of the thesis"));
+        assert!(text.contains("3.0 ms (7") && text.contains("level 32, 5.0 ms"), "{text}");
+        assert!(findings(&rows[..2])[0].contains("no level of the thesis"));
     }
 }

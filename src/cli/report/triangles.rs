@@ -1,5 +1,6 @@
 //! Section 3: smoothed meshes against the sphere and the torus that they stand for.
 
+use freeform_surface::measure::in_turns;
 use freeform_surface::{
     Alpha, CreaseAngle, DrawnVertex, Mesh, MeshModel, Result, Scene, Smoothing, TessLevel,
     Tessellation, smooth,
@@ -29,7 +30,8 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         "Triangles: smoothed meshes against the ideal shape",
         "The largest distance of triangles, at their corners and centroids, from the sphere or torus \
          whose points and normals the coarse mesh has, in the model's units. The coarse mesh decides \
-         how near a smooth surface can come; more triangles bring no more than that.",
+         how near its smooth surface is; more triangles come nearer to that surface. GPU times are \
+         frames, software times all steps.",
     );
     let ways = [
         ("plain", Smoothing::None),
@@ -42,7 +44,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         lab.step(format!("triangles: {shape}"));
         let file = lab.path(path);
         let mesh = Mesh::load_obj(&file, CreaseAngle::default())?;
-        let mut lines = Vec::new();
+        let (mut over_time, mut over_triangles) = (Vec::new(), Vec::new());
         for (way, smoothing) in ways {
             let mut scenes = Vec::new();
             // What is not smoothed stays as it is at every level.
@@ -51,23 +53,28 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
                 scenes.push(scene(&mesh, smoothing, *level)?);
             }
             let timings = lab.time(&scenes)?;
-            let mut points = Vec::new();
+            let (mut times, mut counts) = (Vec::new(), Vec::new());
             for ((scene, level), timing) in scenes.iter().zip(levels).zip(timings) {
                 let triangles = lab.triangles(scene)?;
                 let projection = scene.projection(lab.size.0, lab.size.1);
                 let error = largest(&corners(&triangles, projection.view), distance);
-                points.push((timing.ms, error));
+                times.push((timing.ms, error));
+                counts.push((triangles.len() as f64 / 3.0, error));
                 let row = Row {
                     level: Some(*level as u32),
                     triangles: Some(triangles.len() as u64 / 3),
                     max_error: Some(error),
-                    command: "freeform report --only triangles".into(),
+                    command: lab.report_command("triangles"),
                     ..Row::new("triangles", shape, format!("{way}, GPU"))
                 };
                 section.rows.push(row.timed(timing));
             }
-            lines.push(Line { name: way.into(), points });
+            over_time.push(Line { name: way.into(), points: times });
+            over_triangles.push(Line { name: format!("{way}, GPU"), points: counts });
+            let mut counts = Vec::new();
             for steps in 1..=(if smoothing == Smoothing::None { 0 } else { 3 }) {
+                let mut step = || smooth(mesh.clone(), smoothing, steps).map(drop);
+                let timing = in_turns(lab.turns, &mut [&mut step])?[0];
                 let smoothed = smooth(mesh.clone(), smoothing, steps)?;
                 let corners: Vec<DVec3> = smoothed
                     .triangles()
@@ -75,19 +82,27 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
                     .flatten()
                     .map(|corner| smoothed.positions()[corner.position as usize])
                     .collect();
-                section.rows.push(Row {
+                let error = largest(&corners, distance);
+                counts.push((smoothed.triangles().len() as f64, error));
+                let row = Row {
                     triangles: Some(smoothed.triangles().len() as u64),
-                    max_error: Some(largest(&corners, distance)),
+                    max_error: Some(error),
                     command: format!(
                         "freeform smooth {} --method {way} --steps {steps} -o OUT.obj",
                         file.display()
                     ),
                     ..Row::new("triangles", shape, format!("{way}, software, {steps} steps"))
-                });
+                };
+                section.rows.push(row.timed(timing));
+            }
+            if !counts.is_empty() {
+                over_triangles.push(Line { name: format!("{way}, software"), points: counts });
             }
         }
-        let svg = plot("milliseconds a frame", "largest distance", &lines, None)?;
+        let svg = plot("milliseconds a frame", "largest distance", &over_time, None)?;
         section.plots.push((format!("{shape}: distance from the ideal shape over time"), svg));
+        let svg = plot("triangles", "largest distance", &over_triangles, None)?;
+        section.plots.push((format!("{shape}: distance from the ideal shape over triangles"), svg));
         section.findings.extend(finding(&section.rows, shape));
     }
     Ok(section)
@@ -116,13 +131,15 @@ fn largest(corners: &[DVec3], distance: Distance) -> f64 {
     corners.iter().copied().chain(centroids).map(distance).fold(0.0, f64::max)
 }
 
-/// How much nearer the smooth surfaces are than the plain mesh.
+/// How much nearer the smooth surfaces are than the plain mesh, at the finest level of each: coarser
+/// ones may come nearer by chance, where their corners are.
 fn finding(rows: &[Row], shape: &str) -> Option<String> {
-    let best = |way: &str| {
-        let rows = rows.iter().filter(|row| row.scene == shape && row.method.starts_with(way));
-        rows.filter_map(|row| row.max_error).min_by(f64::total_cmp)
+    let finest = |way: &str| {
+        let rows =
+            rows.iter().filter(|row| row.scene == shape && row.method == format!("{way}, GPU"));
+        rows.max_by_key(|row| row.level)?.max_error
     };
-    let (plain, pn, phong) = (best("plain")?, best("pn")?, best("phong")?);
+    let (plain, pn, phong) = (finest("plain")?, finest("pn")?, finest("phong")?);
     Some(format!(
         "{shape}: curved PN triangles come {:.1} times as near as the plain mesh, Phong tessellation \
          {:.1} times.",

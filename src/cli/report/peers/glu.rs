@@ -1,13 +1,12 @@
 //! libGLU's NURBS tessellator: patches in, triangles within an error on the screen out, through callbacks
-//! and without a call of OpenGL (`GLU_NURBS_TESSELLATOR`).
+//! (`GLU_NURBS_TESSELLATOR`).
 #![allow(unsafe_code, reason = "a C library that is loaded while the program runs")]
 
 use std::ffi::{c_float, c_int, c_uint, c_void};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use freeform_surface::renderer::StaticVertex;
-use freeform_surface::{Degree, Projection, Scene};
-use glam::{DVec3, DVec4};
+use freeform_surface::{Degree, Projection, Scene, Surface};
 use libloading::Library;
 
 type Nurbs = *mut c_void;
@@ -56,11 +55,10 @@ const GL_TRIANGLE_FAN: c_uint = 6;
 /// The last error that the library called; 0 if none. Its callback knows of no tessellator.
 static ERROR: AtomicU32 = AtomicU32::new(0);
 
-/// A tessellator with the triangles that it made last.
-pub(super) struct Glu {
-    nurbs: Nurbs,
-    delete: WithNurbs,
+/// The functions that make triangles, with their library.
+struct Functions {
     property: Property,
+    callback_data: WithData,
     load_matrices: Matrices,
     begin_surface: WithNurbs,
     surface: NurbsSurface,
@@ -68,10 +66,15 @@ pub(super) struct Glu {
     begin_trim: WithNurbs,
     curve: Curve,
     end_trim: WithNurbs,
-    /// On the heap, because the library keeps its address.
-    made: Box<Triangles>,
-    // Last: the functions are its.
+    delete: WithNurbs,
     _library: Library,
+}
+
+/// A tessellator with the triangles that it made last.
+pub(super) struct Glu {
+    nurbs: Nurbs,
+    functions: Functions,
+    made: Triangles,
 }
 
 /// What the callbacks gather.
@@ -96,17 +99,26 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    /// The patches of a scene's surfaces, which must be polynomial and of one degree.
-    pub(super) fn of(scene: &Scene) -> Self {
-        let side = scene.surfaces.first().map_or(Degree::Cubic, |surface| surface.degree()).side();
-        let world = |surface: &freeform_surface::Surface| {
-            let transform = surface.transform;
-            let points = surface.control_points().to_vec();
-            points
-                .into_iter()
-                .map(move |point: DVec4| (transform * point).truncate().as_vec3().to_array())
-        };
-        Self { points: scene.surfaces.iter().flat_map(world).collect(), side }
+    /// The patches of a scene's surfaces.
+    ///
+    /// # Errors
+    /// Surfaces that are rational, or of several degrees: for the simple calls made here they must not be.
+    pub(super) fn of(scene: &Scene) -> Result<Self, String> {
+        let side = scene.surfaces.first().map_or(Degree::Cubic, Surface::degree).side();
+        let mut points = Vec::new();
+        for surface in &scene.surfaces {
+            if surface.degree().side() != side {
+                return Err("surfaces of two degrees".into());
+            }
+            for point in surface.control_points() {
+                if point.w != 1.0 {
+                    return Err("a rational surface".into());
+                }
+                let world = surface.transform.transform_point3(point.truncate());
+                points.push(world.as_vec3().to_array());
+            }
+        }
+        Ok(Self { points, side })
     }
 }
 
@@ -118,7 +130,7 @@ impl Glu {
     pub(super) fn load() -> Result<Self, String> {
         let fail = |error: libloading::Error| error.to_string();
         // SAFETY: the library is a C library without initialisers that matter to us; its functions have
-        // the types of GL/glu.h; the tessellator is deleted before the library goes.
+        // the types of GL/glu.h and stay as long as it, which is as long as the tessellator.
         unsafe {
             let library = Library::new("libGLU.so.1").map_err(fail)?;
             macro_rules! function {
@@ -128,15 +140,9 @@ impl Glu {
             }
             let new = function!("gluNewNurbsRenderer": unsafe extern "C" fn() -> Nurbs);
             let callback = function!("gluNurbsCallback": Callback);
-            let callback_data = function!("gluNurbsCallbackData": WithData);
-            let nurbs = new();
-            if nurbs.is_null() {
-                return Err("libGLU has no memory for a tessellator".into());
-            }
-            let mut glu = Self {
-                nurbs,
-                delete: function!("gluDeleteNurbsRenderer": WithNurbs),
+            let functions = Functions {
                 property: function!("gluNurbsProperty": Property),
+                callback_data: function!("gluNurbsCallbackData": WithData),
                 load_matrices: function!("gluLoadSamplingMatrices": Matrices),
                 begin_surface: function!("gluBeginSurface": WithNurbs),
                 surface: function!("gluNurbsSurface": NurbsSurface),
@@ -144,9 +150,13 @@ impl Glu {
                 begin_trim: function!("gluBeginTrim": WithNurbs),
                 curve: function!("gluNurbsCurve": Curve),
                 end_trim: function!("gluEndTrim": WithNurbs),
-                made: Box::default(),
+                delete: function!("gluDeleteNurbsRenderer": WithNurbs),
                 _library: library,
             };
+            let nurbs = new();
+            if nurbs.is_null() {
+                return Err("libGLU has no memory for a tessellator".into());
+            }
             for (property, value) in [
                 (GLU_NURBS_MODE, GLU_NURBS_TESSELLATOR),
                 (GLU_AUTO_LOAD_MATRIX, 0.0),
@@ -154,7 +164,7 @@ impl Glu {
                 (GLU_DISPLAY_MODE, GLU_FILL),
                 (GLU_SAMPLING_METHOD, GLU_PARAMETRIC_ERROR),
             ] {
-                (glu.property)(nurbs, property, value);
+                (functions.property)(nurbs, property, value);
             }
             for (which, function) in [
                 (GLU_NURBS_BEGIN_DATA, begin as *const c_void),
@@ -166,8 +176,7 @@ impl Glu {
             ] {
                 callback(nurbs, which, function);
             }
-            callback_data(nurbs, std::ptr::from_mut(&mut *glu.made).cast());
-            Ok(glu)
+            Ok(Self { nurbs, functions, made: Triangles::default() })
         }
     }
 
@@ -188,61 +197,19 @@ impl Glu {
         self.made.vertices.clear();
         self.made.indices.clear();
         ERROR.store(0, Ordering::Relaxed);
-        let side = patches.side as c_int;
-        // A Bézier patch's: all of them at its two ends.
-        let mut knots = [0.0; 10];
-        knots[patches.side..].fill(1.0);
-        let knots = &mut knots[..2 * patches.side];
-        let mut ends = [0.0, 0.0, 1.0, 1.0];
-        let mut domain = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-        // SAFETY: all arrays have the lengths that the numbers beside them tell, and live until the
-        // calls return, which is as long as the library reads them; it calls back on this thread.
+        let (nurbs, call) = (self.nurbs, &self.functions);
+        // Until the last call all access is through this one, which the callbacks share.
+        let made: *mut Triangles = &raw mut self.made;
+        // SAFETY: matrices and the viewport are as long as the library reads; it calls back on this
+        // thread, with `made`, within the calls of `surface`.
         unsafe {
-            (self.load_matrices)(self.nurbs, view.as_ptr(), to_clip.as_ptr(), viewport.as_ptr());
-            (self.property)(self.nurbs, GLU_PARAMETRIC_TOLERANCE, tolerance as c_float);
-            for (number, points) in
-                (0..).zip(patches.points.chunks_exact(patches.side * patches.side))
-            {
-                self.made.patch = number;
-                let mut points = points.as_flattened().to_vec();
-                (self.begin_surface)(self.nurbs);
-                (self.surface)(
-                    self.nurbs,
-                    4,
-                    ends.as_mut_ptr(),
-                    4,
-                    ends.as_mut_ptr(),
-                    2,
-                    4,
-                    domain.as_mut_ptr(),
-                    2,
-                    2,
-                    GL_MAP2_TEXTURE_COORD_2,
-                );
-                (self.surface)(
-                    self.nurbs,
-                    2 * side,
-                    knots.as_mut_ptr(),
-                    2 * side,
-                    knots.as_mut_ptr(),
-                    3,
-                    3 * side,
-                    points.as_mut_ptr(),
-                    side,
-                    side,
-                    GL_MAP2_VERTEX_3,
-                );
-                (self.begin_trim)(self.nurbs);
-                // Counter-clockwise. As curves they are sampled as finely as the surface beside them.
-                for [from, to] in [[0, 1], [1, 3], [3, 2], [2, 0]] {
-                    let corner = |corner: i32| [(corner % 2) as c_float, (corner / 2) as c_float];
-                    let mut line = [corner(from), corner(to)];
-                    let ends = ends.as_mut_ptr();
-                    let line = line.as_flattened_mut().as_mut_ptr();
-                    (self.curve)(self.nurbs, 4, ends, 2, line, 2, GLU_MAP1_TRIM_2);
-                }
-                (self.end_trim)(self.nurbs);
-                (self.end_surface)(self.nurbs);
+            (call.callback_data)(nurbs, made.cast());
+            (call.load_matrices)(nurbs, view.as_ptr(), to_clip.as_ptr(), viewport.as_ptr());
+            (call.property)(nurbs, GLU_PARAMETRIC_TOLERANCE, tolerance as c_float);
+            let all = patches.points.chunks_exact(patches.side * patches.side);
+            for (number, points) in (0..).zip(all) {
+                (*made).patch = number;
+                call.patch(nurbs, points.as_flattened(), patches.side);
             }
         }
         match ERROR.load(Ordering::Relaxed) {
@@ -252,10 +219,47 @@ impl Glu {
     }
 }
 
+impl Functions {
+    /// Makes the triangles of one patch, x, y and z of whose control points are given.
+    ///
+    /// # Safety
+    /// The tessellator lives, and has data that its callbacks can write to.
+    unsafe fn patch(&self, nurbs: Nurbs, points: &[c_float], side: usize) {
+        let mut points = points.to_vec();
+        // A Bézier patch's knots: all of them at its two ends.
+        let mut knots = [0.0; 10];
+        knots[side..].fill(1.0);
+        let mut ends = [0.0, 0.0, 1.0, 1.0];
+        let mut domain = [0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        // Counter-clockwise around the domain.
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0_f32]];
+        let n = side as c_int;
+        // SAFETY: all arrays have the lengths that the numbers beside them tell, and outlive the calls
+        // that read them, of which `end_surface` is the last.
+        unsafe {
+            let (knots, ends) = (knots.as_mut_ptr(), ends.as_mut_ptr());
+            let (points, domain) = (points.as_mut_ptr(), domain.as_mut_ptr());
+            (self.begin_surface)(nurbs);
+            let texture = GL_MAP2_TEXTURE_COORD_2;
+            (self.surface)(nurbs, 4, ends, 4, ends, 2, 4, domain, 2, 2, texture);
+            let vertex = GL_MAP2_VERTEX_3;
+            (self.surface)(nurbs, 2 * n, knots, 2 * n, knots, 3, 3 * n, points, n, n, vertex);
+            (self.begin_trim)(nurbs);
+            // As curves they are sampled as finely as the surface beside them.
+            for line in corners.windows(2) {
+                let mut line = line.as_flattened().to_vec();
+                (self.curve)(nurbs, 4, ends, 2, line.as_mut_ptr(), 2, GLU_MAP1_TRIM_2);
+            }
+            (self.end_trim)(nurbs);
+            (self.end_surface)(nurbs);
+        }
+    }
+}
+
 impl Drop for Glu {
     fn drop(&mut self) {
-        // SAFETY: the tessellator is ours and used no more.
-        unsafe { (self.delete)(self.nurbs) }
+        // SAFETY: the tessellator is ours and used no more; its library is still there.
+        unsafe { (self.functions.delete)(self.nurbs) }
     }
 }
 
@@ -279,46 +283,39 @@ impl Triangles {
     }
 }
 
-/// What a callback writes to.
-///
-/// # Safety
-/// `data` is what [`Glu::load`] told the library, and the library is within a call of
-/// [`Glu::tessellate`], which has no other use for it meanwhile.
-unsafe fn triangles<'a>(data: *mut c_void) -> &'a mut Triangles {
-    // SAFETY: as above.
-    unsafe { &mut *data.cast::<Triangles>() }
-}
+// What follows is called by the library within `tessellate` alone, with the triangles as its data, which
+// nothing else reads or writes meanwhile.
 
-unsafe extern "C" fn begin(mode: c_uint, data: *mut c_void) {
-    // SAFETY: called by the library with its data.
-    let made = unsafe { triangles(data) };
+unsafe extern "C" fn begin(mode: c_uint, data: *mut Triangles) {
+    // SAFETY: as above.
+    let made = unsafe { &mut *data };
     (made.mode, made.first) = (mode, made.vertices.len());
 }
 
-unsafe extern "C" fn vertex(position: *const c_float, data: *mut c_void) {
-    // SAFETY: called by the library with its data and three coordinates.
-    let (made, position) = unsafe { (triangles(data), *position.cast::<[f32; 3]>()) };
+unsafe extern "C" fn vertex(position: *const [f32; 3], data: *mut Triangles) {
+    // SAFETY: as above; a position has three coordinates.
+    let (made, position) = unsafe { (&mut *data, *position) };
     let [u, v] = made.uv;
     let (normal, patch) = (made.normal, made.patch);
     made.vertices.push(StaticVertex { position, u, normal, v, patch });
 }
 
-unsafe extern "C" fn normal(normal: *const c_float, data: *mut c_void) {
-    // SAFETY: called by the library with its data and three coordinates.
-    let (made, normal) = unsafe { (triangles(data), *normal.cast::<[f32; 3]>()) };
-    // Su × Sv.
-    made.normal = (-DVec3::from(normal.map(f64::from))).as_vec3().to_array();
+unsafe extern "C" fn normal(normal: *const [f32; 3], data: *mut Triangles) {
+    // SAFETY: as above; a normal has three coordinates.
+    let (made, normal) = unsafe { (&mut *data, *normal) };
+    // It is Su × Sv.
+    made.normal = normal.map(|coordinate| -coordinate);
 }
 
-unsafe extern "C" fn texture_coordinate(uv: *const c_float, data: *mut c_void) {
-    // SAFETY: called by the library with its data and at least two coordinates.
-    let (made, uv) = unsafe { (triangles(data), *uv.cast::<[f32; 2]>()) };
+unsafe extern "C" fn texture_coordinate(uv: *const [f32; 2], data: *mut Triangles) {
+    // SAFETY: as above; the map has two coordinates.
+    let (made, uv) = unsafe { (&mut *data, *uv) };
     made.uv = uv;
 }
 
-unsafe extern "C" fn end(data: *mut c_void) {
-    // SAFETY: called by the library with its data.
-    unsafe { triangles(data) }.close();
+unsafe extern "C" fn end(data: *mut Triangles) {
+    // SAFETY: as above.
+    unsafe { &mut *data }.close();
 }
 
 unsafe extern "C" fn error(error: c_uint) {
