@@ -3,8 +3,10 @@
 
 mod common;
 
-use freeform_surface::gpu::Framebuffer;
-use freeform_surface::{Backend, Headless, PreparedScene, Renderer, Scene};
+use std::time::Duration;
+
+use freeform_surface::gpu::{Framebuffer, Timer};
+use freeform_surface::{Backend, Error, Headless, PreparedScene, Renderer, Scene};
 use glam::UVec2;
 use glow::HasContext as _;
 
@@ -150,6 +152,29 @@ fn the_state_of_the_caller_does_not_show() {
     target.bind();
     draw(&scene, &mut prepared, &mut renderer, &target);
     assert_eq!(target.read(), expected);
+}
+
+#[test]
+fn the_devices_clock_runs_and_hands_errors_on() {
+    for backend in backends() {
+        let context = Checked::new(backend);
+        let gl = context.gl();
+        let target = Framebuffer::new(gl, 256, 256).unwrap();
+        let scene = Scene::listing16();
+        let mut renderer = Renderer::new(gl).unwrap();
+        let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
+        let timer = Timer::new(gl).unwrap();
+        let time = timer.time(|| {
+            draw(&scene, &mut prepared, &mut renderer, &target);
+            Ok(())
+        });
+        let time = time.unwrap();
+        assert!(time > Duration::ZERO && time < Duration::from_secs(60), "{backend}: {time:?}");
+        let wrong = || Err(Error::Context("on purpose".into()));
+        assert!(timer.time(wrong).unwrap_err().to_string().contains("on purpose"));
+        // It is ready for the next.
+        assert!(timer.time(|| Ok(())).unwrap() < Duration::from_secs(60));
+    }
 }
 
 #[test]

@@ -494,7 +494,7 @@ fn ten_thousand_events_by_chance_do_no_harm() {
         random ^= random << 13;
         random ^= random >> 7;
         random ^= random << 17;
-        (random >> 32) * bound >> 32
+        ((random >> 32) * bound) >> 32
     };
     let mut script = String::new();
     for number in 0..10_000 {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
 
-use super::{DriverInfo, checked_size, create, transfer_plainly};
+use super::{DriverInfo, Texture, checked_size, create, transfer_plainly};
 use crate::{Error, Image, Result};
 
 /// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
@@ -142,8 +142,30 @@ impl Framebuffer {
         }
     }
 
+    /// Replaces the pixels, which must have one sample each, by those of a picture of the same size.
+    ///
+    /// # Errors
+    /// No memory for it.
+    pub fn write(&self, image: &Image) -> Result<()> {
+        let texture = Texture::new(&self.gl, "a picture to be copied", image)?;
+        // SAFETY: the context is current (see the module); the framebuffer is ours and goes with its use.
+        unsafe {
+            let from = create("framebuffer", self.gl.create_named_framebuffer())?;
+            let picture = Some(texture.raw());
+            self.gl.named_framebuffer_texture(Some(from), glow::COLOR_ATTACHMENT0, picture, 0);
+            self.copy(Some(from), Some(self.raw));
+            self.gl.delete_framebuffer(from);
+        }
+        Ok(())
+    }
+
     /// Copies the colours to a framebuffer of the same size, or to the window's.
     fn copy_to(&self, other: Option<glow::Framebuffer>) {
+        self.copy(Some(self.raw), other);
+    }
+
+    /// Copies colours from one framebuffer of this size to another.
+    fn copy(&self, from: Option<glow::Framebuffer>, to: Option<glow::Framebuffer>) {
         let (width, height) = (self.width as i32, self.height as i32);
         // SAFETY: the context is current (see the module); both are framebuffers of it, and what lies
         // outside of one is clipped.
@@ -152,8 +174,8 @@ impl Framebuffer {
             let scissor = self.gl.is_enabled(glow::SCISSOR_TEST);
             self.gl.disable(glow::SCISSOR_TEST);
             self.gl.blit_named_framebuffer(
-                Some(self.raw),
-                other,
+                from,
+                to,
                 0,
                 0,
                 width,

@@ -22,6 +22,10 @@ impl std::fmt::Debug for Texture {
 }
 
 impl Texture {
+    pub(super) const fn raw(&self) -> glow::Texture {
+        self.raw
+    }
+
     /// Uploads a picture; its first row becomes v = 1.
     ///
     /// # Errors

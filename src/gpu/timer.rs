@@ -8,15 +8,16 @@ use glow::HasContext;
 use super::create;
 use crate::Result;
 
-/// A clock of the device for what it is told between two moments.
+/// A clock of the device for what it is told between two moments. (Timestamps, because Mesa's software
+/// driver mistakes its clock's reading for the time that elapsed.)
 pub struct Timer {
     gl: Arc<glow::Context>,
-    raw: glow::Query,
+    moments: [glow::Query; 2],
 }
 
 impl std::fmt::Debug for Timer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Timer").field("raw", &self.raw).finish_non_exhaustive()
+        f.debug_struct("Timer").field("moments", &self.moments).finish_non_exhaustive()
     }
 }
 
@@ -26,33 +27,36 @@ impl Timer {
     /// # Errors
     /// The driver has no query.
     pub fn new(gl: &Arc<glow::Context>) -> Result<Self> {
-        // SAFETY: the context is current (see the module); the query is new and ours.
-        let raw = unsafe { create("timer", gl.create_query())? };
-        Ok(Self { gl: Arc::clone(gl), raw })
+        // SAFETY: the context is current (see the module); the queries are new and ours.
+        let moments =
+            unsafe { [create("timer", gl.create_query())?, create("timer", gl.create_query())?] };
+        Ok(Self { gl: Arc::clone(gl), moments })
     }
 
-    /// Does something, waits for the device, and tells how long the device was at it. No other timer
-    /// may run meanwhile.
+    /// Does something, waits for the device, and tells how long the device was at it.
     ///
     /// # Errors
     /// That of `work`.
     pub fn time(&self, work: impl FnOnce() -> Result<()>) -> Result<Duration> {
-        // SAFETY: the context is current (see the module); the query is ended before it is asked, and
-        // asking waits for the answer.
+        // SAFETY: the context is current (see the module); what is asked for was queried, and asking waits
+        // for the answer.
         unsafe {
-            self.gl.begin_query(glow::TIME_ELAPSED, self.raw);
-            let done = work();
-            self.gl.end_query(glow::TIME_ELAPSED);
-            done?;
-            let nanoseconds = self.gl.get_query_parameter_u64(self.raw, glow::QUERY_RESULT);
-            Ok(Duration::from_nanos(nanoseconds))
+            self.gl.query_counter(self.moments[0], glow::TIMESTAMP);
+            work()?;
+            self.gl.query_counter(self.moments[1], glow::TIMESTAMP);
+            let [start, end] = self
+                .moments
+                .map(|moment| self.gl.get_query_parameter_u64(moment, glow::QUERY_RESULT));
+            Ok(Duration::from_nanos(end.saturating_sub(start)))
         }
     }
 }
 
 impl Drop for Timer {
     fn drop(&mut self) {
-        // SAFETY: the context is current (see the module); nothing else owns the query.
-        unsafe { self.gl.delete_query(self.raw) }
+        for moment in self.moments {
+            // SAFETY: the context is current (see the module); nothing else owns the query.
+            unsafe { self.gl.delete_query(moment) }
+        }
     }
 }

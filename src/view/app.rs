@@ -332,7 +332,8 @@ impl App {
         }
         let start = Instant::now();
         let changes = self.state.take_changes();
-        if changes.picture {
+        let draws = changes.picture || shown.screen.is_unfinished(&self.state);
+        if draws {
             shown.gl.reset();
             let drawn = shown.screen.draw(&self.state, &changes);
             self.state.report(drawn);
@@ -354,7 +355,7 @@ impl App {
         log::debug!(
             "frame {}: {} in {:.1} ms",
             self.frames,
-            if changes.picture { "picture" } else { "panel" },
+            if draws { "picture" } else { "panel" },
             start.elapsed().as_secs_f64() * 1e3,
         );
         for error in shown.gl.take_errors() {

@@ -3,7 +3,7 @@
 
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::{
-    FrameFigures, Method, Newton, Paint, TessLevel, Tessellation, Tolerance, Trims,
+    FrameFigures, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
 };
 use glam::DVec2;
 
@@ -101,6 +101,10 @@ fn contents(ui: &mut Ui, state: &mut State, figures: &FrameFigures, ms: f64) {
     if !state.scene().surfaces.is_empty() {
         ui.separator();
         surface(ui, state);
+    }
+    if !state.scene().meshes.is_empty() {
+        ui.separator();
+        mesh(ui, state);
     }
     ui.separator();
     ui.small("H or F1: help");
@@ -207,6 +211,43 @@ fn newton(ui: &mut Ui, state: &mut State) {
     }
 }
 
+/// One mesh: its colour.
+fn mesh(ui: &mut Ui, state: &mut State) {
+    let count = state.scene().meshes.len();
+    state.selected_mesh = state.selected_mesh.min(count - 1);
+    let number = state.selected_mesh;
+    ui.horizontal(|ui| {
+        ui.label("mesh");
+        if count > 1 {
+            ui.add(egui::DragValue::new(&mut state.selected_mesh).range(0..=count - 1));
+        }
+        paint(ui, state, |scene, i| &scene.meshes[i].paint, Part::MeshPaint, number);
+    });
+}
+
+/// A colour that can be changed, or what picture there is.
+fn paint(
+    ui: &mut Ui,
+    state: &mut State,
+    own: fn(&Scene, usize) -> &Paint,
+    part: fn(usize, Paint) -> Part,
+    number: usize,
+) {
+    match own(state.scene(), number) {
+        Paint::Color(rgb) => {
+            let mut rgb = *rgb;
+            if color(ui, &mut rgb) {
+                let edited = state.edit(vec![part(number, Paint::Color(rgb))]);
+                state.report(edited);
+            }
+        }
+        Paint::Texture(image) => {
+            let (width, height) = image.dimensions();
+            ui.label(format!("picture, {width} × {height}"));
+        }
+    }
+}
+
 /// One surface: its colour, its trims and their inset.
 fn surface(ui: &mut Ui, state: &mut State) {
     let count = state.scene().surfaces.len();
@@ -217,19 +258,7 @@ fn surface(ui: &mut Ui, state: &mut State) {
         if count > 1 {
             ui.add(egui::DragValue::new(&mut state.selected).range(0..=count - 1));
         }
-        match &state.scene().surfaces[number].paint {
-            Paint::Color(rgb) => {
-                let mut rgb = *rgb;
-                if color(ui, &mut rgb) {
-                    let edited = state.edit(vec![Part::SurfacePaint(number, Paint::Color(rgb))]);
-                    state.report(edited);
-                }
-            }
-            Paint::Texture(image) => {
-                let (width, height) = image.dimensions();
-                ui.label(format!("picture, {width} × {height}"));
-            }
-        }
+        paint(ui, state, |scene, i| &scene.surfaces[i].paint, Part::SurfacePaint, number);
     });
     let trims = &state.scene().surfaces[number].trims;
     let mut edited = trims.clone();

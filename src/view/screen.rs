@@ -16,6 +16,8 @@ pub(super) struct Screen {
     samples: Samples,
     prepared: PreparedScene,
     renderer: Renderer,
+    /// Whether the picture has fewer samples than the scene wants.
+    coarse: bool,
     /// How long the last drawing took.
     ms: f64,
 }
@@ -29,11 +31,13 @@ impl Screen {
             samples: Samples::default(),
             prepared: PreparedScene::new(&renderer, &nothing)?,
             renderer,
+            coarse: false,
             ms: 0.0,
         })
     }
 
-    /// Brings what changed to the driver and draws.
+    /// Brings what changed to the driver and draws. While the mouse or the turntable moves something, one
+    /// sample has to do where the scene wants more than the driver has at once.
     ///
     /// # Errors
     /// What the driver cannot hold or draw; the picture may be half done.
@@ -41,11 +45,23 @@ impl Screen {
         let start = Instant::now();
         self.bring(state, changes)?;
         let frame = frame_of(state);
-        self.target.bind();
-        self.prepared.draw(&mut self.renderer, &frame)?;
+        let has_all = frame.settings.samples.get() <= self.target.samples();
+        self.coarse = !has_all && state.is_moving();
+        if has_all || self.coarse {
+            self.target.bind();
+            self.prepared.draw(&mut self.renderer, &frame)?;
+        } else {
+            let image = self.picture(state)?;
+            self.target.write(&image)?;
+        }
         gpu::finish(self.renderer.gl());
         self.ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
+    }
+
+    /// Whether the same picture is to be drawn again with all samples, as nothing moves any more.
+    pub(super) fn is_unfinished(&self, state: &State) -> bool {
+        self.coarse && !state.is_moving()
     }
 
     /// The scene's picture with all samples, as `freeform render` makes it.
@@ -102,8 +118,33 @@ fn frame_of(state: &State) -> Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::action::Action;
     use crate::view::state::tests::{Chance, event_by_chance};
     use freeform_surface::{Backend, Headless};
+
+    #[test]
+    fn at_rest_all_samples_are_shown_and_one_while_something_moves() {
+        let context = Headless::new(Backend::Auto).unwrap();
+        let mut screen = Screen::new(context.gl()).unwrap();
+        let mut scene = Scene::listing16();
+        scene.settings.samples = Samples::new(64).unwrap();
+        let mut state = State::new(scene, None);
+        state.resize(80, 60);
+        let changes = state.take_changes();
+        screen.draw(&state, &changes).unwrap();
+        let shown = screen.target.read();
+        assert!(shown == screen.picture(&state).unwrap(), "all samples");
+        state.apply(Action::Turntable);
+        let changes = state.take_changes();
+        screen.draw(&state, &changes).unwrap();
+        assert!(screen.target.read() != shown, "one sample");
+        assert!(!screen.is_unfinished(&state));
+        state.apply(Action::Turntable);
+        assert!(screen.is_unfinished(&state));
+        screen.draw(&state, &Changes::default()).unwrap();
+        assert!(screen.target.read() == shown && !screen.is_unfinished(&state));
+        assert!(context.debug_log().take_errors().is_empty());
+    }
 
     /// Events by chance end in drawings without an error of the driver; and what is saved then is drawn
     /// the same, pixel for pixel.

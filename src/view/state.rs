@@ -91,6 +91,8 @@ pub(crate) struct State {
     pub(crate) turntable: bool,
     /// The surface whose trims the panel shows.
     pub(crate) selected: usize,
+    /// The mesh whose colour the panel shows.
+    pub(crate) selected_mesh: usize,
     pub(crate) overlay: Overlay,
     pub(crate) message: Option<Message>,
 }
@@ -113,6 +115,7 @@ impl State {
             changes: Changes::default(),
             turntable: false,
             selected: 0,
+            selected_mesh: 0,
             overlay: Overlay::Panel,
             message: None,
         };
@@ -191,6 +194,11 @@ impl State {
     /// What changed since the last call.
     pub(crate) fn take_changes(&mut self) -> Changes {
         std::mem::take(&mut self.changes)
+    }
+
+    /// Whether the mouse or the turntable is moving something.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.turntable || self.pointer.is_busy()
     }
 
     pub(crate) const fn changed(&self) -> bool {

@@ -63,7 +63,7 @@ fn findings(rows: &[Row]) -> Vec<String> {
     let of = |method: &str| {
         let rows: Vec<&Row> = rows.iter().filter(|row| row.method == method).collect();
         let wrong: Vec<&Row> = rows.iter().copied().filter(|row| row.note.is_some()).collect();
-        (!rows.is_empty()).then(|| (rows.len(), wrong))
+        (!rows.is_empty()).then_some((rows.len(), wrong))
     };
     let named = |wrong: &[&Row]| {
         let told =
