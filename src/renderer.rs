@@ -13,7 +13,7 @@ mod triangles;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::DMat4;
+use glam::{DMat4, Mat4, Vec4};
 use glow::HasContext;
 
 use drawing::Batch;
@@ -281,6 +281,7 @@ impl Renderer {
                 degree: batch.degree,
                 samples: target.samples,
                 degenerate: batch.degenerate,
+                shared: batch.shared,
                 normals: settings.normals,
             },
             shading: if in_lines(settings, output) { Shading::Unlit } else { batch.shading },
@@ -318,7 +319,11 @@ impl Renderer {
                 }
                 texture.bind(0);
                 surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
-                matrices.bind(SURFACES_UNIT);
+                if batch.shared {
+                    matrices.bind(SURFACES_UNIT);
+                } else {
+                    set_columns(program, drawing.columns(batch.surface), 1.0);
+                }
                 self.set_state(1, settings.wireframe);
                 self.parts_array.bind(parts);
             }
@@ -413,6 +418,18 @@ fn set_for_aovs(program: &Program, frame: &Frame, target: &Target) {
     let to_world = frame.projection.view.inverse().as_mat4();
     program.set_mat4(location::VIEW_TO_WORLD, &to_world);
     program.set_vec4(location::VIEWPORT, target.viewport());
+}
+
+/// Sets the matrices of one surface or mesh by their columns ([`drawing::matrices`]). Its normals are turned
+/// round where `sign` is −1.
+fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
+    let matrix = |first: usize| {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|i| columns[first + i]);
+        Mat4::from_cols(x, y, z, w)
+    };
+    program.set_mat4(location::TO_CLIP, &matrix(0));
+    program.set_mat4(location::TO_VIEW, &matrix(4));
+    program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
 }
 
 fn set_matrices(program: &Program, model: &DMat4, projection: &Projection) {

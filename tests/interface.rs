@@ -176,7 +176,7 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
 #[test]
 fn the_exact_program_compiles_for_all_it_may_have() {
     let context = Checked::new(backends()[0]);
-    for bits in 0..16 {
+    for bits in 0..32 {
         let has = |bit: u32| bits >> bit & 1 == 1;
         let trims = TrimFeatures {
             loop_columns: has(0).then_some(NonZeroU32::new(64).unwrap()),
@@ -192,7 +192,8 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             (Degree::Quartic, 1, Shading::Phong, false, Normals::Pixel, Output::Aovs),
             (Degree::Cubic, 1, Shading::Unlit, true, Normals::Pixel, Output::Aovs),
         ] {
-            let pipeline = Pipeline::Exact { degree, samples, degenerate, normals };
+            let shared = has(4);
+            let pipeline = Pipeline::Exact { degree, samples, degenerate, shared, normals };
             let key = ProgramKey { pipeline, shading, trims, output };
             let program = Sources::default()
                 .link(context.gl(), key)
@@ -202,7 +203,9 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             assert_eq!(unit("trimWords"), words, "{key:?}");
             assert_eq!(unit("trimPoints"), words.map(|unit| unit + 1), "{key:?}");
             assert_eq!(unit("controlPoints"), Some(CONTROL_POINTS_UNIT as i32));
-            assert_eq!(unit("surfaces"), Some(SURFACES_UNIT as i32));
+            assert_eq!(unit("surfaces"), shared.then_some(SURFACES_UNIT as i32));
+            let to_clip = (!shared).then_some(location::TO_CLIP);
+            assert_eq!(program.uniform_location("toClip"), to_clip);
             let to_world = (output == Output::Aovs).then_some(location::VIEW_TO_WORLD);
             assert_eq!(program.uniform_location("viewToWorld"), to_world);
         }

@@ -7,7 +7,13 @@
 
 layout(quads, equal_spacing, ccw) in;
 
+#ifdef SHARED
 layout(binding = 4) uniform samplerBuffer surfaces; // 12 columns of matrices for each
+#else
+layout(location = 27) uniform mat4 toClip;
+layout(location = 28) uniform mat4 toView;
+layout(location = 29) uniform mat4 normalToView;
+#endif
 
 patch in uvec4 placeOfPatch;
 patch in uvec4 cutOfPatch;
@@ -37,6 +43,7 @@ int levelsAlong(float tessCoord, float across, int cells, int lowEdge, int highE
     return tessCoord == 0.0 || tessCoord == 1.0 ? 1 : levels;
 }
 
+#ifdef SHARED
 // A matrix of the patch's surface: its columns from this one on. (Matrices and control points are fetched
 // here: as outputs of the control stage they cost Mesa's software driver half of a small patch's time.)
 mat4 matrix(int column)
@@ -45,11 +52,13 @@ mat4 matrix(int column)
     return mat4(texelFetch(surfaces, first), texelFetch(surfaces, first + 1),
         texelFetch(surfaces, first + 2), texelFetch(surfaces, first + 3));
 }
+#endif
 
 void main()
 {
-    mat4 toClip = matrix(0), toView = matrix(4);
-    mat3 normalToView = mat3(matrix(8));
+#ifdef SHARED
+    mat4 toClip = matrix(0), toView = matrix(4), normalToView = matrix(8);
+#endif
     ivec4 edges = ivec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
     ivec2 cells = ivec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
     ivec2 parts = ivec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
@@ -67,10 +76,10 @@ void main()
     POINT du, dv;
     evaluate(points, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = normalToView * patchNormal(points, t, s, point, du, dv, longest);
+    vec3 normal = mat3(normalToView) * patchNormal(points, t, s, point, du, dv, longest);
 #else
     // Crossed v first, as in the thesis.
-    vec3 normal = normalToView * cross(tangent(point, dv), tangent(point, du));
+    vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));
 #endif
     float size = dot(normal, normal);
     passNormal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);

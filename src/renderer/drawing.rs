@@ -60,6 +60,8 @@ pub(crate) struct Batch {
     pub(crate) degree: Degree,
     pub(crate) shading: Shading,
     pub(crate) degenerate: bool,
+    /// Whether other surfaces have it too, with matrices of their own.
+    pub(crate) shared: bool,
     pub(crate) trims: TrimFeatures,
 }
 
@@ -128,6 +130,11 @@ impl Drawing {
         self.matrices.as_ref()
     }
 
+    /// The matrices of a surface, column by column.
+    pub(super) fn columns(&self, surface: usize) -> &[Vec4] {
+        &self.columns[surface * MATRIX_TEXELS..][..MATRIX_TEXELS]
+    }
+
     pub(crate) fn figures(&self) -> FrameFigures {
         FrameFigures { draws: self.draws.len(), ..self.plan.figures() }
     }
@@ -166,16 +173,20 @@ impl Drawing {
                     degenerate,
                     trimmed: trimmed.then_some(number),
                 };
-                *known.entry(key).or_insert_with(|| {
+                let batch = *known.entry(key).or_insert_with(|| {
                     batches.push(Batch {
                         surface: number,
                         degree: surface.degree(),
                         shading: surface.shading(),
                         degenerate,
+                        shared: false,
                         trims: if trimmed { features } else { TrimFeatures::NONE },
                     });
                     batches.len() as u32 - 1
-                })
+                });
+                let known = &mut batches[batch as usize];
+                known.shared |= known.surface != number;
+                batch
             };
             let kept = [list(false, false), list(true, false)];
             let trimmed = if features.any() { [list(false, true), list(true, true)] } else { kept };

@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat4, DVec3, Mat4};
+use glam::{DMat4, DVec3};
 use glow::HasContext;
 
 use super::drawing::{Seen, matrices};
 use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::triangles::Feedback;
-use super::{DrawnVertex, Frame, Renderer, set_for_aovs};
+use super::{DrawnVertex, Frame, Renderer, set_columns, set_for_aovs};
 use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
 use crate::surface::Centering;
 use crate::tessellation::{
@@ -241,17 +241,7 @@ impl Renderer {
         let columns = matrices(&mesh.points_to_world(), &frame.projection);
         // Cross products turn with the triangle, normals stay outside.
         let sign = mesh.model.transform.determinant().signum() as f32;
-        let matrix = |first: usize| {
-            Mat4::from_cols(
-                columns[first],
-                columns[first + 1],
-                columns[first + 2],
-                columns[first + 3],
-            )
-        };
-        program.set_mat4(location::TO_CLIP, &matrix(0));
-        program.set_mat4(location::TO_VIEW, &matrix(4));
-        program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
+        set_columns(program, &columns, sign);
         if let Smoothing::Phong(alpha) = smoothing {
             program.set_f32(location::ALPHA, alpha.get() as f32);
         }

@@ -107,6 +107,8 @@ pub enum Pipeline {
         samples: u32,
         /// For patches that are rational, or whose normal may vanish somewhere.
         degenerate: bool,
+        /// For patches of several surfaces, each with matrices of its own.
+        shared: bool,
         /// Where normals are evaluated.
         normals: Normals,
     },
@@ -393,11 +395,12 @@ impl Sources {
         let mut trim = "thesis/trim.glsl";
         let aov = key.output == Output::Aovs;
         let mut pixel_normals = false;
-        if let Pipeline::Exact { samples, degenerate, normals, .. } = key.pipeline {
+        if let Pipeline::Exact { samples, degenerate, shared, normals, .. } = key.pipeline {
             defines.push(("SAMPLES", if aov { 1 } else { samples }));
             trim = "common/trim.glsl";
             pixel_normals = normals == Normals::Pixel && (aov || key.shading != Shading::Unlit);
-            let on = [("DEGENERATE", degenerate), ("PIXEL_NORMALS", pixel_normals)];
+            let on =
+                [("DEGENERATE", degenerate), ("SHARED", shared), ("PIXEL_NORMALS", pixel_normals)];
             defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
         }
         if key.pipeline == (Pipeline::Triangles { phong: true }) {
