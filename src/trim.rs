@@ -351,7 +351,7 @@ impl Trims {
     ///
     /// # Errors
     /// The first shape that its constructor refuses, too many segments.
-    pub(crate) fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         let mut segments = 0;
         for (number, trim_loop) in self.loops.iter().enumerate() {
             check_count(number, trim_loop.segments.len(), segments)?;

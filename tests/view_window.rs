@@ -449,6 +449,34 @@ fn the_mouse_pans_and_its_wheel_zooms_to_the_cursor() {
 }
 
 #[test]
+fn a_mesh_is_smoothed_by_its_keys_and_a_right_drag_zooms() {
+    let folder = Folder::new();
+    let bytes = std::fs::read(resource("meshes/icosahedron.obj")).unwrap();
+    let path = folder.write("a.obj", bytes);
+    let mut screen = Screen::start(&[path.to_str().unwrap()]);
+    screen.keys(&["h", "h", "p"]);
+    let phong = screen.picture();
+    screen.keys(&["e"]);
+    let pn = screen.picture();
+    assert!(changed(&phong, &pn) > 500, "{}", changed(&phong, &pn));
+    screen.keys(&["e"]);
+    let plain = screen.picture();
+    assert!(changed(&pn, &plain) > 500 && changed(&phong, &plain) > 500);
+    screen.keys(&["p"]);
+    assert_same("view-phong-again", &phong, &screen.picture(), &[], 0);
+    let covered = |picture: &Image| {
+        let corner = *picture.get_pixel(0, 0);
+        picture.pixels().filter(|pixel| **pixel != corner).count()
+    };
+    screen.mouse(&["mousemove", "500", "300", "mousedown", "3"]);
+    screen.mouse_draws(&["mousemove", "500", "400"]);
+    screen.mouse(&["mouseup", "3"]);
+    let farther = covered(&screen.picture());
+    assert!(farther > 1_000 && 4 * farther < 3 * covered(&phong), "{farther} {}", covered(&phong));
+    screen.quit("Escape");
+}
+
+#[test]
 fn ten_thousand_events_by_chance_do_no_harm() {
     const KEYS: [&str; 33] = [
         "Up",

@@ -50,6 +50,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         saved: None,
         proxy: arguments.watch.then(|| events.create_proxy()),
         watch: None,
+        read: Vec::new(),
         reload_at: None,
         frames: 0,
     };
@@ -92,6 +93,8 @@ struct App {
     /// Takes word of changed files, if they are watched.
     proxy: Option<EventLoopProxy<Changed>>,
     watch: Option<Watch>,
+    /// What the scene's file held when it was read last.
+    read: Vec<u8>,
     /// When the changed file is to be read.
     reload_at: Option<Instant>,
     frames: u64,
@@ -224,7 +227,7 @@ impl App {
                     (Some(button), ElementState::Pressed) if !for_panel => {
                         self.state.press_button(button, self.modifiers.shift_key());
                     }
-                    (Some(_), ElementState::Released) => self.state.release_button(),
+                    (Some(button), ElementState::Released) => self.state.release_button(button),
                     _ => self.state.note_press(),
                 }
                 true
@@ -268,6 +271,7 @@ impl App {
     fn watch(&mut self) {
         self.watch = None;
         if let (Some(proxy), Some(file)) = (&self.proxy, self.state.file()) {
+            self.read = std::fs::read(file).unwrap_or_default();
             let proxy = proxy.clone();
             // Without a loop there is nobody to be told.
             let watch = Watch::new(file, move || drop(proxy.send_event(Changed)));
@@ -277,7 +281,15 @@ impl App {
 
     /// Reads the scene's file again; one that cannot be read leaves the scene as it was.
     fn reload(&mut self) {
-        let Some(loaded) = self.state.file().map(|path| Scene::load(path)) else { return };
+        let Some(path) = self.state.file() else { return };
+        // Being touched is no change. What cannot be read has its say below.
+        let bytes = std::fs::read(path).unwrap_or_default();
+        let loaded = Scene::load(path);
+        let same = bytes == self.read;
+        self.read = bytes;
+        if same && loaded.is_ok() {
+            return;
+        }
         if let Some(scene) = self.state.report(loaded) {
             self.state.reload(scene);
         }
@@ -308,8 +320,7 @@ impl App {
 
     fn screenshot(&mut self) {
         let Some(shown) = &mut self.window else { return };
-        let changes = self.state.take_changes();
-        let written = shown.screen.draw(&self.state, &changes).and_then(|()| {
+        let written = shown.screen.bring_and_draw(&mut self.state).and_then(|()| {
             let image = shown.screen.picture(&self.state)?;
             let path = files::new_file(self.state.file().map(PathBuf::as_path), "", "png")?;
             Output::File(path.clone()).write(&image).inspect_err(|_| {
@@ -325,25 +336,36 @@ impl App {
 
     fn draw(&mut self, events: &ActiveEventLoop) {
         self.turn();
-        let Some(shown) = &mut self.window else { return };
+        let Some(shown) = &self.window else { return };
         let size = shown.gl.window().inner_size();
         if size.width == 0 || size.height == 0 {
+            // Minimised: nothing to draw until it is no more.
+            self.wait(events, Duration::MAX);
             return;
         }
+        let Some(shown) = &mut self.window else { return };
         let start = Instant::now();
-        let changes = self.state.take_changes();
-        let draws = changes.picture || shown.screen.is_unfinished(&self.state);
-        if draws {
-            shown.gl.reset();
-            let drawn = shown.screen.draw(&self.state, &changes);
-            self.state.report(drawn);
+        let mut draws = false;
+        // What is edited in the panel shows in the same frame.
+        let mut again = Duration::MAX;
+        for _ in 0..2 {
+            if self.state.changed() || shown.screen.is_unfinished(&self.state) {
+                draws = true;
+                shown.gl.reset();
+                let drawn = shown.screen.bring_and_draw(&mut self.state);
+                self.state.report(drawn);
+            }
+            shown.gl.begin();
+            shown.screen.show();
+            let (figures, ms) = (shown.screen.figures(), shown.screen.ms());
+            again = shown.overlay.paint(shown.gl.window(), |context| {
+                panel::show(context, &mut self.state, &figures, ms)
+            });
+            if !self.state.changed() {
+                break;
+            }
         }
-        shown.gl.begin();
-        shown.screen.show();
         let (figures, ms) = (shown.screen.figures(), shown.screen.ms());
-        let again = shown.overlay.paint(shown.gl.window(), |context| {
-            panel::show(context, &mut self.state, &figures, ms)
-        });
         let swapped = shown.gl.swap();
         self.state.report(swapped);
         let title = self.state.title(&figures, ms);

@@ -33,6 +33,8 @@ impl Overlay {
         let context = Context::default();
         // Its own zoom keys are the tolerance's.
         context.options_mut(|options| options.zoom_with_keyboard = false);
+        // A blinking caret would draw frames at rest.
+        context.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
         let input = egui_winit::State::new(
             context.clone(),
             ViewportId::ROOT,

@@ -203,7 +203,8 @@ fn newton(ui: &mut Ui, state: &mut State) {
         ui.label("Newton");
         ui.add(egui::DragValue::new(&mut iterations).range(1..=Newton::MAX_ITERATIONS));
         let value = egui::DragValue::new(&mut epsilon).range(1e-9..=1.0).speed(1e-4);
-        ui.add(value.prefix("ε ").max_decimals(9));
+        // What the scene came with stays as it is until it is changed.
+        ui.add(value.clamp_existing_to_range(false).prefix("ε ").max_decimals(9));
     });
     let chosen = Newton::new(iterations, epsilon);
     if let Some(newton) = state.report(chosen).filter(|newton| *newton != own) {

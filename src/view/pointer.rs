@@ -38,6 +38,8 @@ pub(crate) struct Pointer {
     /// Pixels from the upper left corner.
     place: DVec2,
     gesture: Gesture,
+    /// The button that began it.
+    held: Option<Button>,
     hovered: Option<PointId>,
 }
 
@@ -64,13 +66,18 @@ impl Pointer {
     /// Ends whatever is under way.
     pub(crate) const fn let_go(&mut self) {
         self.gesture = Gesture::None;
+        self.held = None;
         self.hovered = None;
     }
 }
 
 impl State {
-    /// A button goes down where the cursor is.
+    /// A button goes down where the cursor is; beside one that is held it does nothing.
     pub(crate) fn press_button(&mut self, button: Button, shift: bool) {
+        if self.pointer.held.is_some() {
+            return;
+        }
+        self.pointer.held = Some(button);
         self.note_press();
         self.hover();
         let pointer = &mut self.pointer;
@@ -86,9 +93,12 @@ impl State {
     }
 
     /// A button goes up.
-    pub(crate) fn release_button(&mut self) {
-        self.pointer.gesture = Gesture::None;
-        self.hover();
+    pub(crate) fn release_button(&mut self, button: Button) {
+        if self.pointer.held == Some(button) {
+            self.pointer.held = None;
+            self.pointer.gesture = Gesture::None;
+            self.hover();
+        }
     }
 
     /// The cursor leaves the picture; true if something was under it.

@@ -16,8 +16,8 @@ pub(super) struct Screen {
     samples: Samples,
     prepared: PreparedScene,
     renderer: Renderer,
-    /// Whether the picture has fewer samples than the scene wants.
-    coarse: bool,
+    /// Whether the target shows something else than the scene with all its samples.
+    stale: bool,
     /// How long the last drawing took.
     ms: f64,
 }
@@ -31,7 +31,7 @@ impl Screen {
             samples: Samples::default(),
             prepared: PreparedScene::new(&renderer, &nothing)?,
             renderer,
-            coarse: false,
+            stale: true,
             ms: 0.0,
         })
     }
@@ -41,27 +41,34 @@ impl Screen {
     ///
     /// # Errors
     /// What the driver cannot hold or draw; the picture may be half done.
-    pub(super) fn draw(&mut self, state: &State, changes: &Changes) -> Result<()> {
+    pub(super) fn bring_and_draw(&mut self, state: &mut State) -> Result<()> {
+        let changes = state.take_changes();
+        // What did not arrive is brought again, as a whole.
+        self.draw(state, &changes).inspect_err(|_| state.note_lost())
+    }
+
+    fn draw(&mut self, state: &State, changes: &Changes) -> Result<()> {
         let start = Instant::now();
         self.bring(state, changes)?;
         let frame = frame_of(state);
         let has_all = frame.settings.samples.get() <= self.target.samples();
-        self.coarse = !has_all && state.is_moving();
-        if has_all || self.coarse {
+        if has_all || state.is_moving() {
             self.target.bind();
             self.prepared.draw(&mut self.renderer, &frame)?;
+            self.stale = !has_all;
         } else {
             let image = self.picture(state)?;
             self.target.write(&image)?;
+            self.stale = false;
         }
         gpu::finish(self.renderer.gl());
         self.ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
 
-    /// Whether the same picture is to be drawn again with all samples, as nothing moves any more.
+    /// Whether the same picture is to be drawn again, with all samples, if nothing moves any more.
     pub(super) fn is_unfinished(&self, state: &State) -> bool {
-        self.coarse && !state.is_moving()
+        self.stale && !state.is_moving()
     }
 
     /// The scene's picture with all samples, as `freeform render` makes it.
@@ -70,6 +77,8 @@ impl Screen {
     /// As drawing.
     pub(super) fn picture(&mut self, state: &State) -> Result<Image> {
         let frame = frame_of(state);
+        // The target is drawn into.
+        self.stale = true;
         self.prepared.picture(&mut self.renderer, &self.target, &frame, |_, _| {})
     }
 
@@ -134,6 +143,10 @@ mod tests {
         screen.draw(&state, &changes).unwrap();
         let shown = screen.target.read();
         assert!(shown == screen.picture(&state).unwrap(), "all samples");
+        // The target has been drawn into for that.
+        assert!(screen.is_unfinished(&state));
+        screen.draw(&state, &Changes::default()).unwrap();
+        assert!(screen.target.read() == shown && !screen.is_unfinished(&state));
         state.apply(Action::Turntable);
         let changes = state.take_changes();
         screen.draw(&state, &changes).unwrap();

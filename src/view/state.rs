@@ -201,6 +201,11 @@ impl State {
         self.turntable || self.pointer.is_busy()
     }
 
+    /// What changed did not reach the driver: all of it is to be brought with the next change.
+    pub(crate) const fn note_lost(&mut self) {
+        self.changes.scene = true;
+    }
+
     pub(crate) const fn changed(&self) -> bool {
         self.changes.picture
     }
@@ -399,11 +404,15 @@ impl State {
     /// Puts parts into the scene, so that they can be taken back.
     ///
     /// # Errors
-    /// Trims that the thesis' method cannot cut, while that is drawn.
+    /// Trims with numbers that are none, or that the thesis' method cannot cut while that is drawn.
     pub(crate) fn edit(&mut self, parts: Vec<Part>) -> Result<()> {
-        if self.scene.settings.method == Method::Thesis {
-            for part in &parts {
-                if let Part::Trims(_, trims) = part {
+        if parts.is_empty() {
+            return Ok(());
+        }
+        for part in &parts {
+            if let Part::Trims(_, trims) = part {
+                trims.check()?;
+                if self.scene.settings.method == Method::Thesis {
                     check_for_thesis(trims)?;
                 }
             }

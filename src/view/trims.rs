@@ -196,48 +196,57 @@ fn add(trims: &mut Trims, kind: TrimKind) {
     }
 }
 
-/// Nested loops that were taken out of the surfaces, by the number of the surface.
+/// Nested loops that were last taken out of the surfaces, by the number of the surface. They stay here when
+/// they are put back, or an edit that is refused or taken back would lose them.
 pub(crate) type PutBy = Vec<(usize, Vec<TrimLoop>)>;
 
 /// Takes the loops that lie inside others out of all surfaces, or puts them back.
 fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Part> {
+    let surfaces = || scene.surfaces.iter().map(|surface| &surface.trims).enumerate();
+    let with_loops = |number: usize, trims: &Trims, loops: Vec<TrimLoop>| {
+        Part::Trims(number, Box::new(Trims { loops, loops_on: true, ..trims.clone() }))
+    };
     let mut parts = Vec::new();
     let mut taken = PutBy::new();
-    for (number, surface) in scene.surfaces.iter().enumerate() {
+    for (number, trims) in surfaces().filter(|(_, trims)| trims.loops_on) {
         let (nested, outer): (Vec<_>, Vec<_>) =
-            surface.trims.loops.iter().cloned().partition(|inner| {
-                let start = inner.segments()[0].start();
-                let holds = |outer: &TrimLoop| inside_loops(std::slice::from_ref(outer), start);
-                surface.trims.loops.iter().any(|outer| outer != inner && holds(outer))
-            });
-        if !nested.is_empty() && surface.trims.loops_on {
+            trims.loops.iter().cloned().partition(|inner| is_nested(inner, trims));
+        if !nested.is_empty() {
             taken.push((number, nested));
-            let trims = Trims { loops: outer, ..surface.trims.clone() };
-            parts.push(Part::Trims(number, Box::new(trims)));
+            parts.push(with_loops(number, trims, outer));
         }
     }
     if !parts.is_empty() {
         *put_by = taken;
         return parts;
     }
-    for (number, nested) in put_by.drain(..) {
-        if let Some(surface) = scene.surfaces.get(number) {
-            let mut trims = Trims { loops_on: true, ..surface.trims.clone() };
-            trims.loops.extend(nested);
-            parts.push(Part::Trims(number, Box::new(trims)));
+    for (number, trims) in surfaces() {
+        let known = put_by.iter().filter(|(of, _)| *of == number).flat_map(|(_, loops)| loops);
+        let mut loops = trims.loops.clone();
+        loops.extend(known.filter(|known| !trims.loops.contains(known)).cloned());
+        // Also those that are there, but switched off.
+        if loops.len() > trims.loops.len() || loops.iter().any(|inner| is_nested(inner, trims)) {
+            parts.push(with_loops(number, trims, loops));
         }
     }
     if parts.is_empty()
-        && let Some(surface) = scene.surfaces.get(selected)
+        && let Some((_, trims)) = surfaces().nth(selected)
     {
-        let mut trims = Trims { loops_on: true, ..surface.trims.clone() };
-        match trims.loops.first().map(shrunk) {
-            Some(inner) => trims.loops.extend(inner),
-            None => trims.loops.extend(lens_loop(1.0).into_iter().chain(lens_loop(0.5))),
+        let mut loops = trims.loops.clone();
+        match loops.first().map(shrunk) {
+            Some(inner) => loops.extend(inner),
+            None => loops.extend(lens_loop(1.0).into_iter().chain(lens_loop(0.5))),
         }
-        parts.push(Part::Trims(selected, Box::new(trims)));
+        parts.push(with_loops(selected, trims, loops));
     }
     parts
+}
+
+/// Whether a loop begins inside another one.
+fn is_nested(inner: &TrimLoop, trims: &Trims) -> bool {
+    let start = inner.segments()[0].start();
+    let holds = |outer: &TrimLoop| inside_loops(std::slice::from_ref(outer), start);
+    trims.loops.iter().any(|outer| outer != inner && holds(outer))
 }
 
 /// A loop of half the size around the same middle.
@@ -288,6 +297,30 @@ mod tests {
             press(&mut scene, kind, &mut put_by);
             assert_eq!(cut(&scene), with, "{kind:?}");
         }
+    }
+
+    #[test]
+    fn nested_loops_are_neither_lost_nor_doubled() {
+        let mut scene = Scene::listing16();
+        scene.surfaces[0].trims = Trims::default();
+        let mut put_by = PutBy::new();
+        let loops = |scene: &Scene| scene.surfaces[0].trims.loops.len();
+        press(&mut scene, TrimKind::Nested, &mut put_by);
+        let nested = scene.clone();
+        press(&mut scene, TrimKind::Nested, &mut put_by);
+        assert_eq!((loops(&nested), loops(&scene)), (2, 1));
+        // An edit that was refused left them where they were.
+        let outer = scene.clone();
+        let _ = switched(&scene, TrimKind::Nested, 0, &mut put_by);
+        press(&mut scene, TrimKind::Nested, &mut put_by);
+        assert_eq!(scene.surfaces[0].trims, nested.surfaces[0].trims);
+        // They were taken out, that was taken back, and loops were switched off and on by N.
+        scene = outer;
+        scene.surfaces[0].trims = nested.surfaces[0].trims.clone();
+        press(&mut scene, TrimKind::Loop, &mut put_by);
+        assert!(!scene.surfaces[0].trims.loops_on);
+        press(&mut scene, TrimKind::Nested, &mut put_by);
+        assert_eq!(scene.surfaces[0].trims, nested.surfaces[0].trims);
     }
 
     #[test]

@@ -118,7 +118,12 @@ fn a_drag_moves_one_point_and_is_taken_back_at_once() {
         let only = Changes { picture: true, points: vec![id], ..Changes::default() };
         assert_eq!(state.take_changes(), only);
     }
-    state.release_button();
+    // Another button neither ends the drag nor begins its own.
+    state.press_button(Button::Right, false);
+    state.release_button(Button::Right);
+    assert!(state.is_moving() && state.pointer.point().is_some());
+    state.release_button(Button::Left);
+    assert!(!state.is_moving());
     for (index, (before, after)) in std::iter::zip(&start, state.scene.control_points()).enumerate()
     {
         assert_eq!(*before != after, index == 5);
@@ -127,6 +132,25 @@ fn a_drag_moves_one_point_and_is_taken_back_at_once() {
     assert_eq!(state.scene.control_points(), start);
     press(&mut state, &[Action::Redo]);
     assert!(at(&state, 5).distance(from + dvec2(60.0, -40.0)) < 1e-6);
+}
+
+#[test]
+fn trims_with_numbers_that_are_none_and_edits_of_nothing_change_nothing() {
+    let mut state = state();
+    let start = state.scene.surfaces[0].trims.clone();
+    press(&mut state, &[Action::Trim(TrimKind::Ellipse), Action::Undo]);
+    state.take_changes();
+    let mut broken = start.clone();
+    broken
+        .circles
+        .push(freeform_surface::Circle { center: dvec2(f64::INFINITY, 0.5), radius: 0.1 });
+    assert!(state.edit(vec![Part::Trims(0, Box::new(broken))]).is_err());
+    assert!(state.edit(Vec::new()).is_ok());
+    assert_eq!(state.scene.surfaces[0].trims, start);
+    assert_eq!(state.take_changes(), Changes::default());
+    // What was taken back can still be done again.
+    press(&mut state, &[Action::Redo]);
+    assert_ne!(state.scene.surfaces[0].trims, start);
 }
 
 trait ControlPoints {
@@ -148,7 +172,7 @@ fn the_mouse_turns_moves_and_zooms() {
         state.move_to(dvec2(5.0, 5.0), true);
         state.press_button(button, shift);
         state.move_to(dvec2(105.0, 55.0), true);
-        state.release_button();
+        state.release_button(button);
         state.camera()
     };
     let turned = drag(&mut state, Button::Left, false);
@@ -269,7 +293,7 @@ pub(crate) fn event_by_chance(state: &mut State, chance: &mut Chance) {
             let button = [Button::Left, Button::Middle, Button::Right][chance.below(3)];
             state.press_button(button, chance.below(3) == 0);
         }
-        8 => state.release_button(),
+        8 => state.release_button([Button::Left, Button::Middle, Button::Right][chance.below(3)]),
         _ => match chance.below(5) {
             0 => state.resize(chance.below(1000) as u32, chance.below(600) as u32),
             1 => state.turn_wheel([1.0, -1.0, 1e300, -0.01][chance.below(4)]),
