@@ -342,8 +342,9 @@ impl Trims {
         Ok(())
     }
 
-    /// The segments of all loops.
-    pub(crate) fn segment_count(&self) -> usize {
+    /// How many segments all loops have together.
+    #[must_use]
+    pub fn segment_count(&self) -> usize {
         self.loops.iter().map(|trim_loop| trim_loop.segments.len()).sum()
     }
 

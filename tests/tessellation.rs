@@ -569,3 +569,26 @@ fn control_points_moved_out_of_their_box_stay_within_tolerance() {
 fn control_points_moved_far_away_stay_within_tolerance() {
     check_moved_by(1e6);
 }
+
+/// Surfaces in one draw fetch their matrices, one by itself has them as uniforms: the same numbers.
+#[test]
+fn a_surface_has_the_same_triangles_alone_and_beside_another() {
+    let mut stage = Stage::new(uvec2(640, 400));
+    let mut alone = teapot();
+    alone.surfaces[0].transform =
+        DMat4::from_rotation_y(0.3) * DMat4::from_scale(DVec3::splat(0.7));
+    alone.camera = Some(alone.framed(1.6));
+    let mut both = alone.clone();
+    both.surfaces.push(alone.surfaces[0].clone());
+    both.surfaces[1].transform = DMat4::from_translation(dvec3(0.5, 9.0, 0.0));
+    let mut draw = |scene: &Scene| {
+        let mut prepared = stage.prepared(scene);
+        stage.triangles(&mut prepared, &stage.frame(scene))
+    };
+    let (mut alone, mut both) = (draw(&alone), draw(&both));
+    assert!(both.len() > alone.len() && alone.len() > 3_000, "{} {}", both.len(), alone.len());
+    both.retain(|corner| corner.patch < 32);
+    // The near and the far plane are those of all that is there.
+    alone.iter_mut().chain(&mut both).for_each(|corner| corner.clip[2] = 0.0);
+    assert_eq!(alone, both);
+}

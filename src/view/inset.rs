@@ -4,6 +4,7 @@ use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use freeform_surface::{Result, Segment, Trims};
 use glam::{DVec2, dvec2};
 
+use super::pick::PICK_PX;
 use super::trims::{Handle, handles, pulled};
 
 /// Points a side.
@@ -12,13 +13,12 @@ const SIDE: f32 = 200.0;
 const MANY_TO_PULL: usize = 100;
 /// More segments are drawn coarsely.
 const MANY: usize = 2_000;
-/// How near the cursor must come to a point.
-const PICK: f32 = 10.0;
 
 const ON: Color32 = Color32::from_rgb(255, 170, 60);
 const OFF: Color32 = Color32::from_gray(110);
 const POINT: Color32 = Color32::from_rgb(0, 128, 255);
-const HIGHLIGHT: Color32 = Color32::from_rgb(255, 220, 80);
+/// Gold: what the cursor is over, here and in the picture.
+pub(super) const HIGHLIGHT: Color32 = Color32::from_rgb(255, 220, 80);
 
 /// Draws the trims over the unit square. Returns them changed if one of their points was pulled.
 pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
@@ -30,18 +30,13 @@ pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
     painter.rect_stroke(square, 0.0, border, egui::StrokeKind::Middle);
     let place = |uv: DVec2| place(square, uv);
     curves(&painter, trims, place);
-    let points = if trims.loops.iter().map(|one| one.segments().len()).sum::<usize>() > MANY_TO_PULL
-    {
-        Vec::new()
-    } else {
-        handles(trims)
-    };
+    let points = if trims.segment_count() > MANY_TO_PULL { Vec::new() } else { handles(trims) };
     let id = response.id;
     let near = |at: Pos2| -> Option<Handle> {
         let distance = |uv: DVec2| place(uv).distance(at);
         let points = points.iter().map(|(handle, uv)| (*handle, distance(*uv)));
         let nearest = points.min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.filter(|(_, distance)| *distance <= PICK).map(|(handle, _)| handle)
+        nearest.filter(|(_, distance)| *distance <= PICK_PX as f32).map(|(handle, _)| handle)
     };
     if response.drag_started() {
         let held = ui.input(|input| input.pointer.press_origin()).and_then(near);
@@ -98,7 +93,7 @@ fn curves(painter: &egui::Painter, trims: &Trims, place: impl Fn(DVec2) -> Pos2)
         let corners = [dvec2(u.x, v.x), dvec2(u.y, v.x), dvec2(u.y, v.y), dvec2(u.x, v.y)];
         closed(corners.map(&place).to_vec(), trims.intervals_on);
     }
-    let segments: usize = trims.loops.iter().map(|one| one.segments().len()).sum();
+    let segments = trims.segment_count();
     for trim_loop in &trims.loops {
         let points = trim_loop.segments().iter().flat_map(|segment| {
             let parts = match segment {

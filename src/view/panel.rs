@@ -7,13 +7,12 @@ use freeform_surface::{
 };
 use glam::DVec2;
 
+use super::inset::HIGHLIGHT;
 use super::pick::{PICK_PX, on_screen, world_point};
-use super::state::{Message, Overlay, State};
+use super::state::{Cover, Message, State};
 use super::undo::Part;
 use super::{action, inset};
 
-/// The blue of control points, lighter.
-const HIGHLIGHT: Color32 = Color32::from_rgb(255, 220, 80);
 const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
 
 /// Lays everything out; returns what takes the mouse.
@@ -26,7 +25,7 @@ pub(super) fn show(
     let mut covered = Vec::new();
     let height = (context.content_rect().height() - 60.0).max(40.0);
     highlight(context, state);
-    if state.overlay != Overlay::Nothing {
+    if state.cover != Cover::Nothing {
         let window = egui::Window::new("freeform")
             .anchor(Align2::RIGHT_TOP, [-8.0, 8.0])
             .default_width(230.0)
@@ -37,7 +36,7 @@ pub(super) fn show(
         let shown = window.show(context, |ui| contents(ui, state, figures, ms));
         covered.extend(shown.map(|shown| shown.response.rect));
     }
-    if state.overlay == Overlay::Help {
+    if state.cover == Cover::Help {
         let window = egui::Window::new("keys and mouse")
             .anchor(Align2::LEFT_TOP, [8.0, 8.0])
             .resizable(false)
@@ -262,22 +261,36 @@ fn surface(ui: &mut Ui, state: &mut State) {
         paint(ui, state, |scene, i| &scene.surfaces[i].paint, Part::SurfacePaint, number);
     });
     let trims = &state.scene().surfaces[number].trims;
-    let mut edited = trims.clone();
-    numbers(ui, &mut edited);
-    if let Some(pulled) = inset::show(ui, trims) {
-        match pulled {
-            Ok(trims) => edited = trims,
-            Err(error) => state.message = Some(Message::Error(error.to_string())),
-        }
-    }
-    if edited != state.scene().surfaces[number].trims {
-        let done = state.edit(vec![Part::Trims(number, Box::new(edited))]);
+    let edited = numbers(ui, trims).map(Ok);
+    if let Some(trims) = inset::show(ui, trims).or(edited) {
+        let done = trims.and_then(|trims| state.edit(vec![Part::Trims(number, Box::new(trims))]));
         state.report(done);
     }
 }
 
-/// The numbers of all trims, as far as there are few.
-fn numbers(ui: &mut Ui, trims: &mut Trims) {
+/// The numbers of all shapes, as far as there are few, and how many loops there are; trims with other
+/// numbers if any was changed.
+fn numbers(ui: &mut Ui, trims: &Trims) -> Option<Trims> {
+    // Loops may be many, and are copied only for a change.
+    let own = Trims {
+        circles: trims.circles.clone(),
+        intervals: trims.intervals.clone(),
+        ellipses: trims.ellipses.clone(),
+        loops: Vec::new(),
+        ..*trims
+    };
+    let mut edited = own.clone();
+    shapes(ui, &mut edited);
+    if !trims.loops.is_empty() {
+        let (loops, segments) = (trims.loops.len(), trims.segment_count());
+        let off = if trims.loops_on { "" } else { ", off" };
+        ui.label(format!("{loops} loops, {segments} segments{off}"));
+    }
+    (edited != own).then(|| Trims { loops: trims.loops.clone(), ..edited })
+}
+
+/// The numbers of circles, intervals and ellipses.
+fn shapes(ui: &mut Ui, trims: &mut Trims) {
     const MOST: usize = 8;
     fn number(ui: &mut Ui, value: &mut f64) {
         ui.add(egui::DragValue::new(value).speed(0.002).max_decimals(4));
@@ -320,10 +333,5 @@ fn numbers(ui: &mut Ui, trims: &mut Trims) {
                 at_least(0.0, &mut ellipse.radii.y);
             });
         });
-    }
-    if !trims.loops.is_empty() {
-        let segments: usize = trims.loops.iter().map(|one| one.segments().len()).sum();
-        let off = if trims.loops_on { "" } else { ", off" };
-        ui.label(format!("{} loops, {segments} segments{off}", trims.loops.len()));
     }
 }

@@ -41,7 +41,7 @@ pub(crate) enum Request {
 
 /// What lies over the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Overlay {
+pub(crate) enum Cover {
     Panel,
     Help,
     Nothing,
@@ -93,7 +93,7 @@ pub(crate) struct State {
     pub(crate) selected: usize,
     /// The mesh whose colour the panel shows.
     pub(crate) selected_mesh: usize,
-    pub(crate) overlay: Overlay,
+    pub(crate) cover: Cover,
     pub(crate) message: Option<Message>,
 }
 
@@ -116,7 +116,7 @@ impl State {
             turntable: false,
             selected: 0,
             selected_mesh: 0,
-            overlay: Overlay::Panel,
+            cover: Cover::Panel,
             message: None,
         };
         state.open(state.scene.clone(), file);
@@ -229,10 +229,10 @@ impl State {
             Action::Save => return Some(Request::Save),
             Action::NextScene => return Some(Request::NextScene),
             Action::Help => {
-                self.overlay = match self.overlay {
-                    Overlay::Panel => Overlay::Help,
-                    Overlay::Help => Overlay::Nothing,
-                    Overlay::Nothing => Overlay::Panel,
+                self.cover = match self.cover {
+                    Cover::Panel => Cover::Help,
+                    Cover::Help => Cover::Nothing,
+                    Cover::Nothing => Cover::Panel,
                 };
                 Ok(())
             }

@@ -125,6 +125,9 @@ pub(crate) fn switched(
     selected: usize,
     put_by: &mut PutBy,
 ) -> Vec<Part> {
+    if kind == TrimKind::Nested {
+        return switched_nested(scene, selected, put_by);
+    }
     let with_trims = |change: &dyn Fn(usize, &Trims) -> Option<Trims>| -> Vec<Part> {
         let surfaces = scene.surfaces.iter().enumerate();
         surfaces
@@ -133,9 +136,6 @@ pub(crate) fn switched(
             })
             .collect()
     };
-    if kind == TrimKind::Nested {
-        return switched_nested(scene, selected, put_by);
-    }
     let count = |trims: &Trims| match kind {
         TrimKind::Circle => trims.circles.len(),
         TrimKind::Interval => trims.intervals.len(),
@@ -152,7 +152,7 @@ pub(crate) fn switched(
             })
         });
     }
-    let is_on = |trims: &Trims| count(trims) > 0 && *switch(&mut trims.clone(), kind);
+    let is_on = |trims: &Trims| count(trims) > 0 && is_on(trims, kind);
     let on = !scene.surfaces.iter().any(|surface| is_on(&surface.trims));
     with_trims(&|_, trims| {
         (count(trims) > 0).then(|| {
@@ -163,7 +163,16 @@ pub(crate) fn switched(
     })
 }
 
-fn switch(trims: &mut Trims, kind: TrimKind) -> &mut bool {
+const fn is_on(trims: &Trims, kind: TrimKind) -> bool {
+    match kind {
+        TrimKind::Circle => trims.circles_on,
+        TrimKind::Interval => trims.intervals_on,
+        TrimKind::Ellipse => trims.ellipses_on,
+        TrimKind::Loop | TrimKind::Nested => trims.loops_on,
+    }
+}
+
+const fn switch(trims: &mut Trims, kind: TrimKind) -> &mut bool {
     match kind {
         TrimKind::Circle => &mut trims.circles_on,
         TrimKind::Interval => &mut trims.intervals_on,

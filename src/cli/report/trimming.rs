@@ -76,7 +76,7 @@ fn rows_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> {
         let row = Row {
             iterations: is_thesis.then(|| newton.iterations()),
             epsilon: is_thesis.then(|| newton.epsilon()),
-            segments: Some(scene.surfaces[0].trims.loops.iter().map(|l| l.segments().len()).sum()),
+            segments: Some(scene.surfaces[0].trims.segment_count()),
             wrong_pixels: wrong.map(|wrong| wrong.pixels),
             max_wrong_distance: wrong.and_then(|wrong| wrong.distance),
             command: lab.report_command("trimming"),

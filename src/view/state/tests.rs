@@ -71,9 +71,9 @@ fn every_action_of_the_table_does_something() {
             if *action == Action::Redo {
                 press(&mut state, &[Action::Undo]);
             }
-            let (scene, overlay, turntable) = (state.scene.clone(), state.overlay, state.turntable);
+            let (scene, overlay, turntable) = (state.scene.clone(), state.cover, state.turntable);
             let request = state.apply(*action);
-            let same_here = state.overlay == overlay && state.turntable == turntable;
+            let same_here = state.cover == overlay && state.turntable == turntable;
             let tolerance = *action == Action::UseTolerance;
             assert!(
                 request.is_some() || !same_here || state.scene != scene || tolerance,
