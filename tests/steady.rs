@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 use freeform_surface::gpu::Framebuffer;
 use freeform_surface::{
     CreaseAngle, Frame, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment, Smoothing,
-    TessLevel, Tessellation, TrimGrid, TrimLoop,
+    TessLevel, Tessellation, Tolerance, TrimGrid, TrimLoop,
 };
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
@@ -157,6 +157,25 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         assert_eq!(draw(&mut prepared)[1], 0);
         assert_eq!(BYTES.load(Relaxed) - bytes, 16);
     }
+    assert_eq!(ROOMS.load(Relaxed), rooms);
+    // Within a tolerance it may be cut more finely than before; still no buffer is made.
+    let mut scene = Scene::load(&root().join("resources/scenes/gallery/teapot.toml")).unwrap();
+    scene.settings.tessellation = Tessellation::Within(Tolerance::new(0.1).unwrap());
+    let mut pulled = PreparedScene::new(&renderer, &scene).unwrap();
+    let frame = Frame { projection: scene.projection(1920, 1080), settings: scene.settings };
+    let mut triangles = |pulled: &mut PreparedScene| {
+        pulled.draw(&mut renderer, &frame).unwrap();
+        pulled.figures().triangles
+    };
+    let first = triangles(&mut pulled);
+    let rooms = ROOMS.load(Relaxed);
+    let mut point = scene.surfaces[0].control_points()[5];
+    for _ in 0..20 {
+        point.y += 0.3;
+        pulled.surfaces_mut()[0].set_control_point(point, 5).unwrap();
+        assert!(triangles(&mut pulled) > first);
+    }
+    assert!(triangles(&mut pulled) > first + 1_000, "{first}");
     assert_eq!(ROOMS.load(Relaxed), rooms);
     assert!(TrimGrid::new(prepared.surfaces_mut()[500].trims()).pieces().len() >= 12);
 }

@@ -19,6 +19,9 @@ use crate::tessellation::{
 };
 use crate::{Cull, Degree, Result, Shading, Tessellation};
 
+/// Bytes of room for parts beyond those that are there at first: a patch that is pulled may want more, and
+/// must not make everybody wait for a new buffer.
+const ROOM_FOR_PARTS: usize = 1 << 16;
 /// Texels that the matrices of a surface take.
 const MATRIX_TEXELS: usize = 12;
 
@@ -259,7 +262,7 @@ impl Drawing {
         }
         let bytes = count * size_of::<Part>();
         if self.parts.as_ref().is_none_or(|parts| parts.bytes() < bytes) {
-            let room = vec![0_u8; bytes.next_power_of_two()];
+            let room = vec![0_u8; (bytes + ROOM_FOR_PARTS).next_power_of_two()];
             self.parts = Some(Buffer::new(gl, "parts of patches", &room)?);
             self.uploaded.clear();
         }
