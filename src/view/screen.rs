@@ -13,6 +13,8 @@ use super::state::{Changes, State};
 /// Draws the scene into a picture of its own, as `freeform render` does, so that both are the same.
 pub(super) struct Screen {
     target: Framebuffer,
+    /// The picture at rest, where one drawing into the target does not make it.
+    still: Option<Framebuffer>,
     samples: Samples,
     prepared: PreparedScene,
     renderer: Renderer,
@@ -28,6 +30,7 @@ impl Screen {
         let nothing = Scene { surfaces: Vec::new(), ..Scene::listing16() };
         Ok(Self {
             target: Framebuffer::new(gl, 1, 1)?,
+            still: None,
             samples: Samples::default(),
             prepared: PreparedScene::new(&renderer, &nothing)?,
             renderer,
@@ -51,14 +54,21 @@ impl Screen {
         let start = Instant::now();
         self.bring(state, changes)?;
         let frame = frame_of(state);
-        let has_all = frame.settings.samples.get() <= self.target.samples();
-        if has_all || state.is_moving() {
+        let samples = frame.settings.samples.get();
+        // Averages on a transparent background are of colours times alpha, which a window cannot divide.
+        let is_whole = samples <= self.target.samples()
+            && (samples == 1 || frame.settings.background[3] == 1.0);
+        if is_whole || state.is_moving() {
             self.target.bind();
             self.prepared.draw(&mut self.renderer, &frame)?;
-            self.stale = !has_all;
+            self.still = None;
+            self.stale = !is_whole;
         } else {
             let image = self.picture(state)?;
-            self.target.write(&image)?;
+            let (width, height) = self.target.size();
+            let still = Framebuffer::new(self.renderer.gl(), width, height)?;
+            still.write(&image)?;
+            self.still = Some(still);
             self.stale = false;
         }
         gpu::finish(self.renderer.gl());
@@ -84,7 +94,11 @@ impl Screen {
 
     /// Copies the picture into the window.
     pub(super) fn show(&self) {
-        self.target.show();
+        self.shown().show();
+    }
+
+    fn shown(&self) -> &Framebuffer {
+        self.still.as_ref().unwrap_or(&self.target)
     }
 
     pub(super) const fn figures(&self) -> FrameFigures {
@@ -136,27 +150,36 @@ mod tests {
         let context = Headless::new(Backend::Auto).unwrap();
         let mut screen = Screen::new(context.gl()).unwrap();
         let mut scene = Scene::listing16();
-        scene.settings.samples = Samples::new(64).unwrap();
+        // One drawing makes no average on what is transparent either.
+        let transparent = [0.2, 0.8, 0.25, 0.0];
+        for (samples, background) in [(64, scene.settings.background), (4, transparent)] {
+            scene.settings.samples = Samples::new(samples).unwrap();
+            scene.settings.background = background;
+            check_at_rest(&mut screen, scene.clone());
+            assert!(context.debug_log().take_errors().is_empty());
+        }
+    }
+
+    fn check_at_rest(screen: &mut Screen, scene: Scene) {
         let mut state = State::new(scene, None);
         state.resize(80, 60);
         let changes = state.take_changes();
         screen.draw(&state, &changes).unwrap();
-        let shown = screen.target.read();
+        let shown = screen.shown().read();
         assert!(shown == screen.picture(&state).unwrap(), "all samples");
         // The target has been drawn into for that.
         assert!(screen.is_unfinished(&state));
         screen.draw(&state, &Changes::default()).unwrap();
-        assert!(screen.target.read() == shown && !screen.is_unfinished(&state));
+        assert!(screen.shown().read() == shown && !screen.is_unfinished(&state));
         state.apply(Action::Turntable);
         let changes = state.take_changes();
         screen.draw(&state, &changes).unwrap();
-        assert!(screen.target.read() != shown, "one sample");
+        assert!(screen.shown().read() != shown, "one sample");
         assert!(!screen.is_unfinished(&state));
         state.apply(Action::Turntable);
         assert!(screen.is_unfinished(&state));
         screen.draw(&state, &Changes::default()).unwrap();
-        assert!(screen.target.read() == shown && !screen.is_unfinished(&state));
-        assert!(context.debug_log().take_errors().is_empty());
+        assert!(screen.shown().read() == shown && !screen.is_unfinished(&state));
     }
 
     /// Events by chance end in drawings without an error of the driver; and what is saved then is drawn
@@ -180,7 +203,7 @@ mod tests {
             }
             let errors = context.debug_log().take_errors();
             assert!(errors.is_empty(), "event {number}: {errors:?}");
-            let shown = screen.target.read();
+            let shown = screen.shown().read();
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("saved.toml");
             let saved = state.saved_scene().to_toml(&path).unwrap();
