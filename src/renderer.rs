@@ -271,9 +271,7 @@ impl Renderer {
         output: Output,
         mut kept: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
-        let (Some(parts), Some(matrices)) = (drawing.parts(), drawing.matrices()) else {
-            return Ok(());
-        };
+        let Some(parts) = drawing.parts() else { return Ok(()) };
         let settings = &frame.settings;
         let aov = output == Output::Aovs;
         let key = |batch: &Batch| ProgramKey {
@@ -319,10 +317,9 @@ impl Renderer {
                 }
                 texture.bind(0);
                 surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
-                if batch.shared {
-                    matrices.bind(SURFACES_UNIT);
-                } else {
-                    set_columns(program, drawing.columns(batch.surface), 1.0);
+                match drawing.matrices().filter(|_| batch.shared) {
+                    Some(matrices) => matrices.bind(SURFACES_UNIT),
+                    None => set_columns(program, drawing.columns(batch.surface), 1.0),
                 }
                 self.set_state(1, settings.wireframe);
                 self.parts_array.bind(parts);

@@ -171,7 +171,7 @@ fn every_key_does_what_its_line_says() {
     assert!(screen.title().starts_with("a-edited-001.toml"), "{}", screen.title());
     screen.quit("ctrl+q");
 
-    // Each line of the list was pressed here.
+    // A line that is new in the list wants a test: here, or below for meshes, files and the mouse.
     for line in listed.lines() {
         let known = [
             "Up, Down ",

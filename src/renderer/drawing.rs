@@ -290,6 +290,8 @@ impl Drawing {
             .flat_map(|surface| matrices(&surface.points_to_world(), &seen.projection))
             .collect();
         match &self.matrices {
+            // Who is by itself has them as uniforms.
+            _ if !self.batches.iter().any(|batch| batch.shared) => self.matrices = None,
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
                 write_changed(matrices.buffer(), &self.columns, &texels);
             }

@@ -66,7 +66,11 @@ fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
         let points = of.filter_map(|row| row.ms.zip(row.max_error_px)).collect();
         Line { name: name.into(), points }
     };
-    let lines = ["exact", STATIC, LIBGLU].map(line);
+    let lines: Vec<Line> = ["exact", STATIC, LIBGLU]
+        .map(line)
+        .into_iter()
+        .filter(|line| !line.points.is_empty())
+        .collect();
     let title = "teapot at 1920×1080: largest error over time; the line across is 0.5 px";
     let svg = plot("milliseconds a frame", "largest error, pixels", &lines, Some(0.5))?;
     section.plots.push((title.into(), svg));
