@@ -126,11 +126,13 @@ fn losses(rows: &[&Row]) -> Option<String> {
         (!ratios.is_empty())
             .then(|| format!("{how} {peer} (share of its time: {})", ratios.join(", ")))
     };
-    let mut stands: Vec<String> = [LIBGLU, STATIC].into_iter().filter_map(stands).collect();
+    let stands: Vec<String> = [LIBGLU, STATIC].into_iter().filter_map(stands).collect();
     // A peer that is not there.
-    stands.extend(of(LIBGLU).find_map(|row| Some(format!("{LIBGLU} was {}", row.note.as_ref()?))));
-    (!stands.is_empty())
-        .then(|| format!("Peers, the teapot at 1920×1080: exact {}.", stands.join("; it ")))
+    let missing = of(LIBGLU).find_map(|row| Some(format!(" {LIBGLU} was {}.", row.note.as_ref()?)));
+    (!stands.is_empty()).then(|| {
+        let stands = stands.join("; it ");
+        format!("Peers, the teapot at 1920×1080: exact {stands}.{}", missing.unwrap_or_default())
+    })
 }
 
 #[cfg(test)]
@@ -192,7 +194,9 @@ mod tests {
         let missing = Row { note: Some("not measured: gone".into()), ..peer(LIBGLU, 0.5, 0.0) };
         let missing = Row { ms: None, tolerance: None, ..missing };
         let line = &advice(&[&rows[0], &rows[1], &missing])[0];
-        assert!(line.contains("libGLU was not measured: gone") && !line.contains("against libGLU"));
+        assert!(
+            line.contains("). libGLU was not measured: gone.") && !line.contains("against libGLU")
+        );
         assert!(advice(&[]).is_empty());
     }
 
