@@ -14,9 +14,9 @@ use freeform_surface::{
     CreaseAngle, Frame, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment, Smoothing,
     TessLevel, Tessellation, Tolerance, TrimGrid, TrimLoop,
 };
-use glam::{DMat4, DVec2, dvec2, dvec3};
+use glam::{DMat4, DVec2, DVec4, dvec2, dvec3};
 
-use common::{Checked, backends, root};
+use common::{Checked, backends, load, root};
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 
@@ -158,6 +158,24 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         assert_eq!(BYTES.load(Relaxed) - bytes, 16);
     }
     assert_eq!(ROOMS.load(Relaxed), rooms);
+    // Within a tolerance its patch may be cut anew, and with it those beside it: 32 bytes each of their
+    // own, and nothing of the others.
+    let mut teapot = load(&root().join("resources/scenes/gallery/teapot.toml"));
+    teapot.settings.tessellation = Tessellation::Within(Tolerance::new(0.5).unwrap());
+    let frame = Frame { projection: teapot.projection(1920, 1080), settings: teapot.settings };
+    let mut pulled = PreparedScene::new(&renderer, &teapot).unwrap();
+    pulled.draw(&mut renderer, &frame).unwrap();
+    let mut most = 0;
+    for (patch, points) in teapot.surfaces[0].control_points().chunks(16).enumerate() {
+        for height in [0.3, 0.0] {
+            let bytes = BYTES.load(Relaxed);
+            let point = points[5] + height * DVec4::Y;
+            pulled.surfaces_mut()[0].set_control_point(point, 16 * patch + 5).unwrap();
+            pulled.draw(&mut renderer, &frame).unwrap();
+            most = most.max(BYTES.load(Relaxed) - bytes);
+        }
+    }
+    assert!((16 + 32..=16 + 5 * 32).contains(&most), "{most}");
     // Within a tolerance it may be cut more finely than before; still no buffer is made.
     let mut scene = Scene::listing16();
     scene.settings.tessellation = Tessellation::Within(Tolerance::new(0.1).unwrap());

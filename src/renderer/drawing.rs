@@ -3,6 +3,7 @@
 //! calls alone.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use bytemuck::Pod;
@@ -302,17 +303,28 @@ impl Drawing {
     }
 }
 
-/// Writes the values from the first to the last that differ from those that a buffer has.
+/// Writes the values that differ from those that a buffer has: each run of them by itself if these are
+/// few, else all from the first to the last.
 fn write_changed<T: Pod + PartialEq>(buffer: &Buffer, old: &[T], new: &[T]) {
-    let first = std::iter::zip(old, new).take_while(|(old, new)| old == new).count();
-    // Nothing is known of what lies beyond the old ones.
-    let old_rest = old.get(first..new.len()).unwrap_or_default();
-    let pairs = std::iter::zip(old_rest.iter().rev(), new[first..].iter().rev());
-    let same_at_end = pairs.take_while(|(old, new)| old == new).count();
-    let changed = &new[first..new.len() - same_at_end];
-    if !changed.is_empty() {
-        buffer.write(first, changed);
+    const FEW: usize = 16;
+    if changed_runs(old, new).nth(FEW).is_none() {
+        for run in changed_runs(old, new) {
+            buffer.write(run.start, &new[run]);
+        }
+    } else if let Some(whole) = changed_runs(old, new).reduce(|first, last| first.start..last.end) {
+        buffer.write(whole.start, &new[whole]);
     }
+}
+
+/// Where new values differ from the old ones. Nothing is known of what lies beyond these.
+fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Range<usize>> {
+    let differs = |i: &usize| old.get(*i) != Some(&new[*i]);
+    let mut at = 0;
+    std::iter::from_fn(move || {
+        let start = (at..new.len()).find(differs)?;
+        at = (start..new.len()).find(|i| !differs(i)).unwrap_or(new.len());
+        Some(start..at)
+    })
 }
 
 /// Surfaces with one transform may have edges in common, if their control points were centred alike.
