@@ -147,6 +147,13 @@ impl State {
         (place - 0.5 * self.size()) * dvec2(1.0, -1.0) / self.size().y
     }
 
+    /// What was under the cursor may have moved away without it.
+    pub(super) fn hover_again(&mut self) {
+        if self.pointer.hovered.is_some() {
+            self.hover();
+        }
+    }
+
     /// Finds the control point under the cursor; true if that is another one.
     fn hover(&mut self) -> bool {
         let found = pick(self.scene(), &self.projection(), self.size(), self.pointer.place);

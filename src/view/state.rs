@@ -243,6 +243,7 @@ impl State {
             _ => self.change(action),
         };
         self.report(done);
+        self.hover_again();
         None
     }
 
@@ -335,6 +336,7 @@ impl State {
             let turned = self.mover.turn(&camera, by);
             let looked = self.look(turned);
             self.report(looked);
+            self.hover_again();
         }
     }
 

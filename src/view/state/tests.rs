@@ -135,6 +135,29 @@ fn a_drag_moves_one_point_and_is_taken_back_at_once() {
 }
 
 #[test]
+fn a_point_that_turns_away_under_the_cursor_is_highlighted_no_more() {
+    let hovering = || {
+        let mut state = state();
+        let id = PointId { surface: 0, index: 0 };
+        let point = world_point(&state.scene, id).unwrap();
+        let place = on_screen(&state.projection(), state.size, point).unwrap().xy();
+        state.move_to(place, true);
+        assert_eq!(state.pointer.point(), Some(id));
+        state
+    };
+    let mut turned = hovering();
+    press(&mut turned, &[Action::Turn(1, 0)]);
+    assert_eq!(turned.pointer.point(), None);
+    let mut turning = hovering();
+    press(&mut turning, &[Action::Turntable]);
+    turning.advance(0.2);
+    assert_eq!(turning.pointer.point(), None);
+    let mut finer = hovering();
+    press(&mut finer, &[Action::Finer]);
+    assert!(finer.pointer.point().is_some());
+}
+
+#[test]
 fn trims_with_numbers_that_are_none_and_edits_of_nothing_change_nothing() {
     let mut state = state();
     let start = state.scene.surfaces[0].trims.clone();
