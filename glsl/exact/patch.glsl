@@ -3,29 +3,6 @@
 // t is a place in the domain and s is 1 - t, each rounded by itself, so that a patch whose parameter
 // runs the other way gets the same numbers with s and t exchanged. Every sum and product of a point
 // is written so that this exchange changes no bit of it.
-//
-// With DEGENERATE patches may be rational, and their normals may vanish; else all weights are 1.
-
-layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred and scaled
-
-#ifdef DEGENERATE
-#define POINT vec4
-#else
-#define POINT vec3
-#endif
-
-// The control points of the patch whose first this is, with their weights if those may differ from 1.
-void fetchPatch(int first, out POINT points[SIDE * SIDE])
-{
-    for (int i = 0; i < SIDE * SIDE; ++i) {
-        vec4 point = texelFetch(controlPoints, first + i);
-#ifdef DEGENERATE
-        points[i] = point;
-#else
-        points[i] = point.xyz;
-#endif
-    }
-}
 
 // Bernstein polynomials of degree SIDE - 1.
 void bernstein(float t, float s, out float b[SIDE])

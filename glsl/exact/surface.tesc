@@ -1,4 +1,5 @@
-// Cuts a part of a patch into cells. SIDE is 4 or 5: control points along a side.
+// Cuts a part of a patch into cells, and fetches its control points, once for all of its vertices. SIDE is 4
+// or 5: control points along a side.
 
 layout(vertices = 1) out;
 
@@ -7,15 +8,13 @@ flat in uvec4 cutOfVertex[];
 
 patch out uvec4 placeOfPatch;
 patch out uvec4 cutOfPatch;
+patch out POINT pointsOfPatch[SIDE * SIDE];
 #ifdef DEGENERATE
-layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred and scaled
-
 patch out vec2 longest; // tangents along u and v, at most
 
-// The difference between two control points.
-float apart(int first, int i, int j)
+// The distance between two control points.
+float apart(vec4 a, vec4 b)
 {
-    vec4 a = texelFetch(controlPoints, first + i), b = texelFetch(controlPoints, first + j);
     return distance(a.xyz / a.w, b.xyz / b.w);
 }
 #endif
@@ -25,13 +24,15 @@ void main()
     uvec4 cut = cutOfVertex[0];
     placeOfPatch = placeOfVertex[0];
     cutOfPatch = cut;
+    POINT points[SIDE * SIDE];
+    fetchPatch(int(placeOfVertex[0].x), points);
+    pointsOfPatch = points;
 #ifdef DEGENERATE
-    int first = int(placeOfVertex[0].x);
     longest = vec2(0.0);
     for (int line = 0; line < SIDE; ++line)
         for (int i = 0; i < SIDE - 1; ++i) {
             int u = line * SIDE + i, v = i * SIDE + line;
-            longest = max(longest, vec2(apart(first, u, u + 1), apart(first, v, v + SIDE)));
+            longest = max(longest, vec2(apart(points[u], points[u + 1]), apart(points[v], points[v + SIDE])));
         }
     longest *= float(SIDE - 1);
 #endif

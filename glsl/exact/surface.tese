@@ -17,6 +17,7 @@ layout(location = 29) uniform mat4 normalToView;
 
 patch in uvec4 placeOfPatch;
 patch in uvec4 cutOfPatch;
+patch in POINT pointsOfPatch[SIDE * SIDE];
 #ifdef DEGENERATE
 patch in vec2 longest;
 #endif
@@ -35,17 +36,17 @@ layout(location = 5) flat out vec2 passLongest;
 #endif
 #endif
 
-// How many levels the vertices have along one direction: those of the edge that they lie on, if any;
-// one if this is an end of that direction, so that all parts that meet there divide alike.
-int levelsAlong(float tessCoord, float across, int cells, int lowEdge, int highEdge)
+// Along one direction a vertex lies on a level of the edge that it belongs to, if any. At an end of that
+// direction there is one level alone, so that all parts that meet there divide alike.
+vec2 placeAlong(float tessCoord, float across, float cells, float low, float high, float part, float parts)
 {
-    int levels = across == 0.0 ? lowEdge : across == 1.0 ? highEdge : cells;
-    return tessCoord == 0.0 || tessCoord == 1.0 ? 1 : levels;
+    float levels = across == 0.0 ? low : across == 1.0 ? high : cells;
+    bool end = tessCoord == 0.0 || tessCoord == 1.0;
+    return along(tessCoord, end ? 1.0 : cells, end ? 1.0 : levels, part, parts);
 }
 
 #ifdef SHARED
-// A matrix of the patch's surface: its columns from this one on. (Matrices and control points are fetched
-// here: as outputs of the control stage they cost Mesa's software driver half of a small patch's time.)
+// A matrix of the patch's surface: its columns from this one on.
 mat4 matrix(int column)
 {
     int first = int(placeOfPatch.z) * 12 + column;
@@ -59,24 +60,20 @@ void main()
 #ifdef SHARED
     mat4 toClip = matrix(0), toView = matrix(4), normalToView = matrix(8);
 #endif
-    ivec4 edges = ivec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
-    ivec2 cells = ivec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
-    ivec2 parts = ivec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
-    ivec2 part = ivec2(placeOfPatch.w & 0xffffu, placeOfPatch.w >> 16);
+    vec4 edges = vec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
+    vec2 cells = vec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
+    vec2 parts = vec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
+    vec2 part = vec2(placeOfPatch.w & 0xffffu, placeOfPatch.w >> 16);
     vec2 at = gl_TessCoord.xy;
-    int levelsU = levelsAlong(at.x, at.y, cells.x, edges.y, edges.w);
-    int levelsV = levelsAlong(at.y, at.x, cells.y, edges.x, edges.z);
-    vec2 u = along(at.x, at.x == 0.0 || at.x == 1.0 ? 1 : cells.x, levelsU, part.x, parts.x);
-    vec2 v = along(at.y, at.y == 0.0 || at.y == 1.0 ? 1 : cells.y, levelsV, part.y, parts.y);
+    vec2 u = placeAlong(at.x, at.y, cells.x, edges.y, edges.w, part.x, parts.x);
+    vec2 v = placeAlong(at.y, at.x, cells.y, edges.x, edges.z, part.y, parts.y);
     vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
 
-    POINT points[SIDE * SIDE];
-    fetchPatch(int(placeOfPatch.x), points);
     vec4 point;
     POINT du, dv;
-    evaluate(points, t, s, point, du, dv);
+    evaluate(pointsOfPatch, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = mat3(normalToView) * patchNormal(points, t, s, point, du, dv, longest);
+    vec3 normal = mat3(normalToView) * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
 #else
     // Crossed v first, as in the thesis.
     vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));

@@ -1,5 +1,5 @@
-// Hands on one part of a patch: the only vertex of what OpenGL takes for the patch. Its control points
-// are fetched where they are needed.
+// Hands on one part of a patch: the only vertex of what OpenGL takes for the patch. The control stage
+// fetches its control points.
 
 layout(location = 0) in uvec4 place; // first control point, patch, surface, column | row << 16
 layout(location = 1) in uvec4 cut;   // levels of the edges, cells, parts of the patch, nothing

@@ -35,8 +35,8 @@ vec3 weights()
     vec3 at = gl_TessCoord;
     int edge = at.z == 0.0 ? 0 : at.x == 0.0 ? 1 : at.y == 0.0 ? 2 : 3;
     float t = edge == 0 ? at.y : edge == 1 ? at.z : at.x; // from the edge's first corner
-    int level = int(levelsOfTriangle >> 8 * edge & 0xffu);
-    vec2 moved = along(t, int(levelsOfTriangle >> 24), level, 0, 1);
+    float level = float(levelsOfTriangle >> 8 * edge & 0xffu);
+    vec2 moved = along(t, float(levelsOfTriangle >> 24), level, 0.0, 1.0);
     return edge == 0 ? vec3(moved.yx, 0.0)
         : edge == 1 ? vec3(0.0, moved.yx)
         : edge == 2 ? vec3(moved.x, 0.0, moved.y) : at;

@@ -264,7 +264,7 @@ macro_rules! glsl {
 }
 
 /// Every file of `glsl/`, by its path there.
-const FILES: [(&str, &str); 24] = glsl![
+const FILES: [(&str, &str); 25] = glsl![
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
@@ -273,6 +273,7 @@ const FILES: [(&str, &str); 24] = glsl![
     "common/static.vert",
     "common/trim.glsl",
     "exact/patch.glsl",
+    "exact/points.glsl",
     "exact/surface.vert",
     "exact/surface.tesc",
     "exact/surface.tese",
@@ -430,7 +431,11 @@ impl Sources {
                 if *kind == TessEvaluation && (exact || triangles) {
                     parts.push(self.part("common/levels.glsl"));
                 }
-                if exact && (*kind == TessEvaluation || *kind == Fragment && pixel_normals) {
+                let evaluates = *kind == TessEvaluation || *kind == Fragment && pixel_normals;
+                if exact && (*kind == TessControl || evaluates) {
+                    parts.push(self.part("exact/points.glsl"));
+                }
+                if exact && evaluates {
                     parts.push(self.part("exact/patch.glsl"));
                 }
                 if *kind == Fragment {
