@@ -108,8 +108,8 @@ fn main() {
 /// One level for all patches against a static mesh of the same triangles.
 fn static_meshes(gl: &Arc<glow::Context>) {
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
-    for patches in [10_000] {
-        for cells in [8, 8, 8] {
+    for patches in [1, 64, 1024, 10_000] {
+        for cells in [1, 4, 8, 16, 32, 64] {
             if 2 * patches * (cells * cells) as usize > MOST_TRIANGLES {
                 continue;
             }
