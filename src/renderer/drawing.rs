@@ -268,7 +268,9 @@ impl Drawing {
             self.uploaded.clear();
         }
         self.staged.clear();
-        self.staged.extend(self.plan.lists().iter().flatten());
+        for parts in self.plan.lists() {
+            self.staged.extend_from_slice(parts);
+        }
         if let Some(parts) = &self.parts {
             write_changed(parts, &self.uploaded, &self.staged);
         }

@@ -16,17 +16,23 @@
 
 mod net;
 mod number;
+mod together;
 
 use glam::{DMat4, DVec2, DVec4, UVec2};
 
 pub(crate) use net::{ClipNet, Points, Seen, ToClip};
-pub(crate) use number::Number;
+use number::Number;
+pub(crate) use together::{Candidate, Need, TOGETHER, needs_of};
 
 use crate::camera::Projection;
 
 /// Two units in the last place of an `f32` near 1. The evaluation of a patch was found to be off by at
 /// most 1.6 units of the sizes that [`Rounding`] adds up.
 const ROUNDING_UNIT: f64 = 1.0 / (1 << 23) as f64;
+/// Rasterisers move vertices to 1/256 of a pixel.
+pub(super) const SUBPIXEL: f64 = 0.003;
+/// What the tessellator's fixed-point places can add, as a share of the tolerance.
+const SHARE: f64 = 0.99;
 
 /// What the bound needs to know of a picture.
 #[derive(Debug, Clone, Copy)]
@@ -114,8 +120,8 @@ pub(crate) struct Bound<T = f64> {
 
 impl<T: Number> Bound<T> {
     /// The bound of one lane's patch.
-    #[inline]
-    pub(crate) fn lane(&self, lane: usize) -> Bound {
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Bound {
         let Curvature { uu, uv, vv } = self.curvature;
         Bound {
             curvature: Curvature { uu: uu.lane(lane), uv: uv.lane(lane), vv: vv.lane(lane) },
@@ -125,52 +131,70 @@ impl<T: Number> Bound<T> {
             least_depth: self.least_depth.lane(lane),
         }
     }
-}
 
-impl Bound {
     /// The largest distance in pixels between the patch and what is drawn of it with so many cells along
     /// u and v; infinite where nothing can be said.
-    pub(crate) fn error(&self, cells: [f64; 2], screen: &Screen) -> f64 {
-        let error = self.curvature.error(cells) + self.rounding;
+    #[inline(always)]
+    pub(crate) fn error(&self, cells: [T; 2], screen: &Screen) -> T {
+        let all = |value| T::all(self.rounding.token(), value);
+        let error = self.curvature.error(cells) + self.rounding + all(SUBPIXEL);
         // Of what reaches before the near plane, the bound holds up to the tolerance alone.
-        let crosses_near = self.least_depth < screen.near;
-        if crosses_near && error > screen.tolerance() { f64::INFINITY } else { error }
+        let across_near = error.choose_at_most(all(screen.tolerance), [error, all(f64::INFINITY)]);
+        all(screen.near).choose_at_most(self.least_depth, [error, across_near])
+    }
+
+    /// The cells along u and v that keep the patch within the tolerance.
+    #[inline(always)]
+    pub(crate) fn levels(&self, screen: &Screen) -> [T; 2] {
+        let all = |value| T::all(self.rounding.token(), value);
+        let tolerance = screen.tolerance;
+        let left = all(SHARE * tolerance - SUBPIXEL) - self.rounding;
+        // Where rounding leaves nothing, more triangles do not help.
+        let least = all(0.1 * tolerance);
+        self.curvature.levels(left.choose_at_most(least, [all(0.5 * tolerance), left]))
     }
 }
 
-impl Curvature {
+impl<T: Number> Curvature<T> {
     /// The largest distance in pixels between the patch and its triangles, `n` of them a side.
-    pub(crate) fn error(&self, [along_u, along_v]: [f64; 2]) -> f64 {
-        let (h, k) = (along_u.recip(), along_v.recip());
-        (self.uu * h * h + 2.0 * self.uv * h * k + self.vv * k * k) / 8.0
+    #[inline(always)]
+    pub(crate) fn error(&self, [along_u, along_v]: [T; 2]) -> T {
+        let all = |value| T::all(self.uu.token(), value);
+        let (h, k) = (all(1.0) / along_u, all(1.0) / along_v);
+        (self.uu * h * h + all(2.0) * self.uv * h * k + self.vv * k * k) * all(0.125)
     }
 
-    /// The least whole levels along u and v whose error is within the tolerance, as many of one as of
-    /// the other asks; f64, because they may be beyond all bounds.
-    pub(crate) fn levels(&self, tolerance: f64) -> [f64; 2] {
+    /// The least whole levels along u and v whose error is within the tolerance or beyond it by 10⁻⁹ of it,
+    /// as many of one as of the other asks; floating-point numbers, because they may be beyond all bounds.
+    #[inline(always)]
+    pub(crate) fn levels(&self, tolerance: T) -> [T; 2] {
         let Self { uu, uv, vv } = *self;
-        if self.error([1.0; 2]) <= tolerance {
-            return [1.0; 2];
-        }
+        let all = |value| T::all(uu.token(), value);
+        let one = all(1.0);
         // Levels in the ratio of the roots of the curvatures need the fewest triangles; where the
-        // patch is all twist, any ratio does.
-        let (a, b) = (uu.sqrt().max(0.3 * uv.sqrt()), vv.sqrt().max(0.3 * uv.sqrt()));
-        if !(uu + uv + vv).is_finite() {
-            return [f64::INFINITY; 2];
-        }
-        let alone = |curvature: f64| (curvature / (8.0 * tolerance)).sqrt().ceil().max(1.0);
-        if a == 0.0 || b == 0.0 {
-            return [alone(uu), alone(vv)];
-        }
+        // patch is all twist, any ratio does. A patch that bends along one direction alone has the levels
+        // that this asks for, and the other's do not count.
+        let twist = all(0.3) * uv.sqrt();
+        let (a, b) = (uu.sqrt().most(twist), vv.sqrt().most(twist));
         // With n along u and n·b/a along v.
-        let ratio = a / b;
-        let along_u = ((uu + 2.0 * uv * ratio + vv * ratio * ratio) / (8.0 * tolerance)).sqrt();
-        let along_u = along_u.ceil().max(1.0);
-        // What rounding up leaves over serves the other direction: vv/8·k² + uv/(4n)·k ≤ rest.
-        let rest = tolerance - uu / (8.0 * along_u * along_u);
-        let linear = uv / (4.0 * along_u);
-        let inverse = (linear + (linear * linear + 0.5 * vv * rest).sqrt()) / (2.0 * rest);
-        [along_u, inverse.ceil().max(1.0)]
+        let ratio = a / b.most(all(1e-6) * a).most(all(f64::MIN_POSITIVE));
+        let along_u = (uu + all(2.0) * uv * ratio + vv * ratio * ratio) / (all(8.0) * tolerance);
+        let along_u = along_u.sqrt().ceil().most(one);
+        // What rounding up leaves over serves the other direction: vv/8·k² + uv/(4n)·k ≤ rest. A little
+        // more, so that something is left always.
+        let rest = tolerance * all(1.0 + 1e-9) - uu / (all(8.0) * along_u * along_u);
+        let linear = uv / (all(4.0) * along_u);
+        let root = (linear * linear + all(0.5) * vv * rest).sqrt();
+        let along_v = ((linear + root) / (all(2.0) * rest)).ceil().most(one);
+        // One level where that is enough, and infinitely many where nothing is known.
+        let (flat, sum) = (self.error([one; 2]), uu + uv + vv);
+        let along_u = flat.choose_at_most(tolerance, [one, along_u]);
+        let along_v = flat.choose_at_most(tolerance, [one, along_v]);
+        let (most, infinite) = (all(f64::MAX), all(f64::INFINITY));
+        [
+            sum.choose_at_most(most, [along_u, infinite]),
+            sum.choose_at_most(most, [along_v, infinite]),
+        ]
     }
 }
 
@@ -180,9 +204,9 @@ mod tests {
     use crate::bezier::Patch;
     use crate::camera::{Camera, Lens};
     use crate::{Degree, bezier::bernstein};
+    use fearless_simd::Level;
     use glam::{DVec3, dvec2};
     use proptest::prelude::*;
-    use wide::f64x2;
 
     const SIZE: UVec2 = UVec2::new(640, 400);
     const EXACT: Rounding = Rounding { x: 0.0, y: 0.0, w: 0.0 };
@@ -285,7 +309,7 @@ mod tests {
 
     fn net<const N: usize>(points: &[DVec4], to_clip: DMat4) -> ClipNet<N> {
         let weighed = points.iter().any(|point| point.w != 1.0);
-        ClipNet::new(|_| &patches(points)[0], weighed, &to_clip.into())
+        ClipNet::new((), |_| &patches(points)[0], weighed, &to_clip.into())
     }
 
     fn check(
@@ -309,7 +333,7 @@ mod tests {
         };
         let levels = curvature.levels(tolerance);
         prop_assert!(levels.iter().all(|level| *level >= 1.0 && level.fract() == 0.0));
-        prop_assert!(curvature.error(levels) <= tolerance * (1.0 + 1e-9));
+        prop_assert!(curvature.error(levels) <= tolerance * (1.0 + 2e-9));
         let error = measured(degree, points, projection, levels, random);
         prop_assert!(error <= tolerance * (1.0 + 1e-6), "{error} at {levels:?}");
         if outside {
@@ -324,23 +348,51 @@ mod tests {
         Ok(())
     }
 
-    /// Fails unless all that is told of two patches has the same bits as of each by itself.
+    /// What this processor can do, and what older ones can.
+    fn processors() -> Vec<Level> {
+        let all = Level::new();
+        #[cfg(target_arch = "x86_64")]
+        let older = [
+            all.as_sse2().map(Level::Sse2),
+            all.as_sse4_2().map(Level::Sse4_2),
+            all.as_avx2().map(Level::Avx2),
+        ];
+        #[cfg(not(target_arch = "x86_64"))]
+        let older = [None];
+        older.into_iter().flatten().chain([all]).collect()
+    }
+
+    /// Fails unless all that is told of patches side by side has the same bits as of each by itself,
+    /// whatever the processor can do.
     fn check_side_by_side<const N: usize>(
-        both: [&[DVec4]; 2],
+        all: &[Vec<DVec4>],
         to_clip: DMat4,
         screen: &Screen,
         rounding: &Rounding,
     ) -> Result<(), TestCaseError> {
-        let weighed = both.iter().any(|points| points.iter().any(|point| point.w != 1.0));
-        let pair: ClipNet<N, f64x2> =
-            ClipNet::new(|lane| &patches(both[lane])[0], weighed, &to_clip.into());
-        let (outside, bound) = (pair.outside(), pair.bound(screen, rounding));
-        for (lane, points) in both.into_iter().enumerate() {
-            let alone = net::<N>(points, to_clip);
-            let net = pair.lane(lane);
-            prop_assert_eq!(net.axes(), alone.axes());
-            prop_assert_eq!(outside.lane(lane), alone.outside());
-            prop_assert_eq!(bound.lane(lane), alone.bound(screen, rounding));
+        let weighed = |points: &[DVec4]| points.iter().any(|point| point.w != 1.0);
+        let alone: Vec<_> = all
+            .iter()
+            .map(|points| {
+                let net = net::<N>(points, to_clip);
+                (!net.is_outside()).then(|| Need::new(net.bound(screen, rounding), screen))
+            })
+            .collect();
+        // In other places than their own, as if some faced away.
+        let candidates: Vec<_> = (0..)
+            .zip(all)
+            .map(|(i, points): (usize, &Vec<DVec4>)| Candidate {
+                points: &patches::<N>(points)[0],
+                weighed: weighed(points),
+                place: TOGETHER - 1 - 2 * i,
+            })
+            .collect();
+        for level in processors() {
+            let mut needs = [None; TOGETHER];
+            needs_of(level, &candidates, &to_clip.into(), rounding, screen, &mut needs);
+            for (candidate, alone) in candidates.iter().zip(&alone) {
+                prop_assert_eq!(&needs[candidate.place], alone, "{:?}", level);
+            }
         }
         Ok(())
     }
@@ -364,20 +416,19 @@ mod tests {
         }
 
         #[test]
-        fn two_side_by_side_are_bounded_as_each_alone(
+        fn patches_side_by_side_are_bounded_as_each_alone(
             patches in prop_oneof![
-                prop::array::uniform2(points(Degree::Cubic)),
-                prop::array::uniform2(points(Degree::Quartic)),
+                prop::collection::vec(points(Degree::Cubic), 1..20),
+                prop::collection::vec(points(Degree::Quartic), 1..20),
             ],
             projection in projection(),
         ) {
             let to_clip = projection.projection * projection.view;
             let screen = Screen::new(&projection, SIZE, 0.5);
             let rounding = Rounding::new(&to_clip, 1.0);
-            let patches = patches.each_ref().map(Vec::as_slice);
             match patches[0].len() {
-                16 => check_side_by_side::<4>(patches, to_clip, &screen, &rounding)?,
-                _ => check_side_by_side::<5>(patches, to_clip, &screen, &rounding)?,
+                16 => check_side_by_side::<4>(&patches, to_clip, &screen, &rounding)?,
+                _ => check_side_by_side::<5>(&patches, to_clip, &screen, &rounding)?,
             }
         }
 
@@ -412,6 +463,12 @@ mod tests {
         assert_eq!(levels(0.0, 0.0, 900.0), [1.0, 15.0]);
         let [u, v] = levels(0.0, 200.0, 0.0);
         assert!(u * v >= 100.0 && u * v <= 132.0, "{u} {v}");
+        // Bent along one direction but for next to nothing.
+        assert_eq!(levels(399.0, 0.0, 1e-20), [10.0, 1.0]);
+        assert_eq!(levels(400.0, 1e-30, 0.0), [10.0, 1.0]);
+        assert_eq!(levels(1e-300, 1e-300, 900.0), [1.0, 15.0]);
+        assert_eq!(levels(1e-300, 0.0, 0.0), [1.0, 1.0]);
         assert_eq!(levels(f64::INFINITY, 1.0, 1.0), [f64::INFINITY; 2]);
+        assert_eq!(levels(f64::NAN, 1.0, 1.0), [f64::INFINITY; 2]);
     }
 }

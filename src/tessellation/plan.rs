@@ -14,12 +14,14 @@
 mod halving;
 
 use bytemuck::{Pod, Zeroable};
+use fearless_simd::Level;
 use glam::DVec4;
-use wide::f64x2;
 
-use super::bound::{ClipNet, Number, Points, Rounding, Screen, ToClip};
+use super::bound::{
+    Candidate, ClipNet, Need, Points, Rounding, Screen, TOGETHER, ToClip, needs_of,
+};
 use super::edges::{EdgeTable, SIDES};
-use super::parts::{FixedParts, TrimParts};
+use super::parts::{Cut, FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
 use crate::{Degree, TessLevel};
 use halving::Leaf;
@@ -103,13 +105,35 @@ impl SurfacePatches<'_> {
         })
     }
 
-    /// Patches in clip space, one for each lane.
-    #[inline]
-    fn net<const N: usize, const L: usize, T: Number>(&self, patches: [usize; L]) -> ClipNet<N, T> {
-        // Of rational patches no normals are known.
-        let weighed = patches.iter().any(|patch| self.shapes[*patch].may_degenerate());
-        let points = patches.map(|patch| &self.patches::<N>()[patch]);
-        ClipNet::new(|lane| points[lane], weighed, &self.to_clip)
+    /// What patches from this one on need; nothing those that are out of sight, or that face away where
+    /// that counts.
+    fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
+        let patches = &self.patches::<N>()[first..];
+        let none = Candidate { points: &patches[0], weighed: false, place: 0 };
+        let (mut candidates, mut count) = ([none; TOGETHER], 0);
+        for (place, points) in patches.iter().enumerate().take(TOGETHER) {
+            let patch = first + place;
+            if !self.is_back::<N>(patch) {
+                candidates[count] = Candidate { points, weighed: self.is_weighed(patch), place };
+                count += 1;
+            }
+        }
+        let candidates = &candidates[..count];
+        let mut needs = [None; TOGETHER];
+        let processor = Level::new();
+        needs_of(processor, candidates, &self.to_clip, &self.rounding, screen, &mut needs);
+        needs
+    }
+
+    /// Whether a patch's weights may differ from 1: of rational patches no normals are known.
+    fn is_weighed(&self, patch: usize) -> bool {
+        self.shapes[patch].may_degenerate()
+    }
+
+    /// A patch in clip space.
+    fn net<const N: usize>(&self, patch: usize) -> ClipNet<N> {
+        let points = &self.patches::<N>()[patch];
+        ClipNet::new((), |_| points, self.is_weighed(patch), &self.to_clip)
     }
 }
 
@@ -182,12 +206,10 @@ impl Edge {
     }
 }
 
-/// How a part is cut: parts of its patch along u and v, its column and row, its cells and the levels of
-/// its edges.
+/// How a part is cut: parts of its patch along u and v, its column and row, and the levels of its edges.
 struct Grid {
     sides: [u32; 2],
     place: [u32; 2],
-    cells: [u32; 2],
     edges: [u32; SIDES],
 }
 
@@ -248,16 +270,18 @@ impl Plan {
         let fixed = surface.fixed.expect("a frame at a level has parts for it");
         let sides = [fixed.parts.side; 2];
         let level = f64::from(level.get());
-        for patch in 0..surface.shapes.len() {
+        let count = surface.shapes.len();
+        let needs = (0..count)
+            .step_by(TOGETHER)
+            .flat_map(|first| surface.needs::<N>(first, screen))
+            .take(count);
+        for (patch, need) in needs.enumerate() {
             self.figures.patches += 1;
-            let net: ClipNet<N> = surface.net([patch]);
-            if surface.is_back::<N>(patch) || net.is_outside() {
+            let Some(need) = need else {
                 self.figures.culled += 1;
                 continue;
-            }
-            let bound = net.bound(screen, &surface.rounding);
-            raise(&mut self.figures.largest_bound, bound.error([level; 2], screen));
-            let cells = [fixed.parts.level; 2];
+            };
+            raise(&mut self.figures.largest_bound, need.bound.error([level; 2], screen));
             let degenerate = usize::from(surface.shapes[patch].may_degenerate());
             for (list, places) in [
                 (surface.lists.kept[degenerate], &fixed.kept),
@@ -265,7 +289,7 @@ impl Plan {
             ] {
                 for place in places {
                     let edges = [fixed.parts.level; SIDES];
-                    self.push(surface, patch, list, Grid { sides, place: *place, cells, edges });
+                    self.push(surface, patch, list, &Grid { sides, place: *place, edges });
                 }
             }
             self.figures.culled += usize::from(fixed.kept.is_empty() && fixed.trimmed.is_empty());
@@ -304,11 +328,12 @@ impl Plan {
         screen: &Screen,
     ) {
         let count = surface.shapes.len();
-        for first in (0..count).step_by(2) {
-            // Two side by side; the last one of an odd number beside itself.
-            let patches = [first, (first + 1).min(count - 1)];
-            let states = self.decide_pair::<N>(surface, patches, screen);
-            for state in states.into_iter().take(count - first) {
+        for first in (0..count).step_by(TOGETHER) {
+            let needs = surface.needs::<N>(first, screen);
+            for (patch, need) in (first..count).zip(needs) {
+                let state = need.map_or_else(State::default, |need| {
+                    self.decide(&need, screen, &surface.rounding, || surface.net::<N>(patch))
+                });
                 let state = self.without_cut_parts(state, surface.trims.as_deref_mut());
                 let state = state.unwrap_or_default();
                 self.figures.patches += 1;
@@ -319,35 +344,6 @@ impl Plan {
                 self.states.push(state);
             }
         }
-    }
-
-    /// Decides about two patches.
-    #[inline]
-    fn decide_pair<const N: usize>(
-        &mut self,
-        surface: &SurfacePatches<'_>,
-        patches: [usize; 2],
-        screen: &Screen,
-    ) -> [State; 2] {
-        let mut states = [State::default(); 2];
-        let hidden = patches.map(|patch| surface.is_back::<N>(patch));
-        if hidden == [true; 2] {
-            return states;
-        }
-        let net: ClipNet<N, f64x2> = surface.net(patches);
-        let outside = net.outside();
-        let is_seen = |lane: usize| !hidden[lane] && outside.lane(lane) <= 0.0;
-        if !is_seen(0) && !is_seen(1) {
-            return states;
-        }
-        let bound = net.bound(screen, &surface.rounding);
-        for (lane, state) in states.iter_mut().enumerate() {
-            if is_seen(lane) {
-                let bound = bound.lane(lane);
-                *state = self.decide(bound, screen, &surface.rounding, || net.lane(lane));
-            }
-        }
-        states
     }
 
     /// Cells of the part in a column and row.
@@ -445,14 +441,25 @@ impl Plan {
         if !state.drawn {
             return;
         }
-        let degenerate = usize::from(surface.shapes[patch].may_degenerate());
         let sides = state.halvings.map(|halvings| 1_u32 << halvings);
         let mut borders = [0; SIDES];
         for (side, edge) in table.of(number).into_iter().enumerate() {
             borders[side] = self.edges[edge].rounded() >> state.halvings[axis_of(side)];
         }
+        let degenerate = usize::from(surface.shapes[patch].may_degenerate());
+        let list_of = |cut: Option<Cut>| {
+            let is_trimmed = cut.is_some_and(Cut::is_trimmed);
+            let lists = if is_trimmed { surface.lists.trimmed } else { surface.lists.kept };
+            lists[degenerate]
+        };
         let mut trims = surface.trims.take();
         let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.halvings));
+        if state.halvings == [0; 2] {
+            let list = list_of(cuts.map(|cuts| cuts[0]));
+            self.push(surface, patch, list, &Grid { sides, place: [0; 2], edges: borders });
+            surface.trims = trims;
+            return;
+        }
         let last = sides.map(|parts| parts as usize - 1);
         for row in 0..=last[1] {
             for column in 0..=last[0] {
@@ -471,26 +478,22 @@ impl Plan {
                     with((column < last[0]).then_some([column + 1, row]), borders[2], 1),
                     with((row < last[1]).then_some([column, row + 1]), borders[3], 0),
                 ];
-                let mut cells = [edges[1].max(edges[3]), edges[0].max(edges[2])];
-                if cells != [1, 1] {
-                    // OpenGL draws no patch with one cell along one side and several along another.
-                    cells = cells.map(|cells| cells.max(2));
-                }
-                let cut = cuts.map(|cuts| cuts[(row << state.halvings[0]) + column]);
-                let list = if cut.is_some_and(|cut| cut.is_trimmed()) {
-                    surface.lists.trimmed[degenerate]
-                } else {
-                    surface.lists.kept[degenerate]
-                };
+                let list = list_of(cuts.map(|cuts| cuts[(row << state.halvings[0]) + column]));
                 let place = [column as u32, row as u32];
-                self.push(surface, patch, list, Grid { sides, place, cells, edges });
+                self.push(surface, patch, list, &Grid { sides, place, edges });
             }
         }
         surface.trims = trims;
     }
 
-    fn push(&mut self, surface: &SurfacePatches<'_>, patch: usize, list: u32, grid: Grid) {
-        let Grid { sides, place, cells, edges } = grid;
+    #[inline]
+    fn push(&mut self, surface: &SurfacePatches<'_>, patch: usize, list: u32, grid: &Grid) {
+        let Grid { sides, place, edges } = grid;
+        let mut cells = [edges[1].max(edges[3]), edges[0].max(edges[2])];
+        if cells != [1, 1] {
+            // OpenGL draws no patch with one cell along one side and several along another.
+            cells = cells.map(|cells| cells.max(2));
+        }
         let part = Part {
             first_point: surface.first_point + (patch * surface.degree.points()) as u32,
             patch: surface.first_patch + patch as u32,

@@ -20,14 +20,12 @@
 
 use glam::{DMat4, DVec3, DVec4};
 
-use super::bound::{Rounding, Screen, Seen};
+use super::bound::{Rounding, SUBPIXEL, Screen, Seen};
 
 /// The most levels that OpenGL cuts an edge into.
 const MOST_LEVELS: f64 = 64.0;
 /// What the largest second derivative along a side is multiplied by.
 const INSIDE: f64 = 5.0 / 18.0;
-/// Rasterisers move vertices to 1/256 of a pixel.
-const SUBPIXEL: f64 = 0.003;
 
 /// Control points that stand in a row along a side, for 10 and for 6 of them, in the order of
 /// `PnTriangle::control_points` and `PhongTriangle::control_points`.

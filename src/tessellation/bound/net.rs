@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec4};
 
-use super::number::Number;
+use super::number::{MOST_LANES, Number};
 use super::{Bound, Curvature, ROUNDING_UNIT, Rounding, Screen};
 
 /// From the space of control points to clip space: the matrix row by row.
@@ -19,7 +19,7 @@ impl From<DMat4> for ToClip {
 pub(crate) type Points<const N: usize> = [[DVec4; N]; N];
 
 /// The control points of a patch of `N` × `N` or of a part of one in clip space, row by row,
-/// multiplied by their weights; or those of two patches side by side.
+/// multiplied by their weights; or those of several patches side by side.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClipNet<const N: usize, T = f64> {
     /// x, y, z, w and the weight.
@@ -30,23 +30,31 @@ pub(crate) struct ClipNet<const N: usize, T = f64> {
 
 impl<const N: usize, T: Number> ClipNet<N, T> {
     /// Transforms the control points of each lane's patch; all weights are 1 unless it is `weighed`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new<'a>(
+        token: T::Token,
         points: impl Fn(usize) -> &'a Points<N>,
         weighed: bool,
         to_clip: &ToClip,
     ) -> Self {
-        let rows = to_clip.0.map(|m| [m.x, m.y, m.z, m.w].map(T::all));
-        let mut net = Self { axes: [[[T::all(1.0); N]; N]; 5], weighed };
+        let mut rows = [[T::all(token, 0.0); 4]; 4];
+        for (row, values) in rows.iter_mut().zip(&to_clip.0) {
+            for (number, value) in row.iter_mut().zip(values.to_array()) {
+                *number = T::all(token, value);
+            }
+        }
+        let mut net = Self { axes: [[[T::all(token, 1.0); N]; N]; 5], weighed };
         for row in 0..N {
             for column in 0..N {
-                let of = |pick: fn(&DVec4) -> f64| T::each(|lane| pick(&points(lane)[row][column]));
-                let (x, y, z) = (of(|p| p.x), of(|p| p.y), of(|p| p.z));
+                let point = |lane: usize| points(lane)[row][column];
+                let x = T::each(token, |lane| point(lane).x);
+                let y = T::each(token, |lane| point(lane).y);
+                let z = T::each(token, |lane| point(lane).z);
                 for (axis, m) in net.axes.iter_mut().zip(&rows) {
                     axis[row][column] = m[0] * x + m[1] * y + (m[2] * z + m[3]);
                 }
                 if weighed {
-                    let weight = of(|p| p.w);
+                    let weight = T::each(token, |lane| point(lane).w);
                     for axis in &mut net.axes {
                         axis[row][column] = axis[row][column] * weight;
                     }
@@ -56,33 +64,35 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         net
     }
 
-    /// The control points of one lane.
-    pub(crate) fn lane(&self, lane: usize) -> ClipNet<N> {
-        let axes = self.axes.map(|axis| axis.map(|row| row.map(|number| number.lane(lane))));
-        ClipNet { axes, weighed: self.weighed }
+    #[inline(always)]
+    fn token(&self) -> T::Token {
+        self.axes[0][0][0].token()
     }
 
     /// By how much all control points lie outside of one plane of the view's frustum. Above 0 nothing is
     /// seen.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn outside(&self) -> T {
+        let token = self.token();
         let w = self.axes[3].as_flattened();
-        let mut most = T::all(f64::NEG_INFINITY);
+        let mut most = T::all(token, f64::NEG_INFINITY);
         for axis in &self.axes[..3] {
-            let (mut above, mut below) = (T::all(f64::INFINITY), T::all(f64::NEG_INFINITY));
+            let mut above = T::all(token, f64::INFINITY);
+            let mut below = T::all(token, f64::NEG_INFINITY);
             for (value, w) in axis.as_flattened().iter().zip(w) {
                 above = above.least(*value - *w);
                 below = below.most(*value + *w);
             }
-            most = most.most(above).most(T::all(0.0) - below);
+            most = most.most(above).most(T::all(token, 0.0) - below);
         }
         most
     }
 
     /// The least weight, and the least clip w of the points themselves.
+    #[inline(always)]
     fn least_weight_and_depth(&self) -> [T; 2] {
         let [_, _, _, w, weight] = &self.axes;
-        let mut least = [T::all(f64::INFINITY); 2];
+        let mut least = [T::all(self.token(), f64::INFINITY); 2];
         for (w, weight) in w.as_flattened().iter().zip(weight.as_flattened()) {
             least = [least[0].least(*weight), least[1].least(*w / *weight)];
         }
@@ -90,50 +100,58 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
     }
 
     /// Bounds the patches on a screen.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn bound(&self, screen: &Screen, rounding: &Rounding) -> Bound<T> {
-        let [x, y, _, w, _] = self.axes.each_ref().map(|axis| axis.as_flattened());
-        let (mut least_w, mut greatest_w) = (T::all(f64::INFINITY), T::all(0.0));
-        let mut ranges = [[T::all(f64::INFINITY), T::all(f64::NEG_INFINITY)]; 2];
+        let token = self.token();
+        let [x, y, _, w, _] = &self.axes;
+        let (x, y, w) = (x.as_flattened(), y.as_flattened(), w.as_flattened());
+        let (mut least_w, mut greatest_w) = (T::all(token, f64::INFINITY), T::all(token, 0.0));
+        let empty = [T::all(token, f64::INFINITY), T::all(token, f64::NEG_INFINITY)];
+        let mut ranges = [empty; 2];
         for ((x, y), w) in x.iter().zip(y).zip(w) {
             least_w = least_w.least(*w);
             greatest_w = greatest_w.most(*w);
-            let inverse = T::all(1.0) / *w;
+            let inverse = T::all(token, 1.0) / *w;
             for (range, value) in ranges.iter_mut().zip([*x, *y]) {
                 let value = value * inverse;
                 *range = [range[0].least(value), range[1].most(value)];
             }
         }
-        let [least_weight, least_depth] =
-            if self.weighed { self.least_weight_and_depth() } else { [T::all(1.0), least_w] };
-        let seen = [least_w, least_depth, least_weight];
-        let of_lane = |lane: usize| {
-            let [least_w, least_depth, least_weight] = seen.map(|number| number.lane(lane));
-            if least_depth < screen.near {
-                Seen::across_near(screen, screen.near * least_weight)
-            } else {
-                let ranges = ranges.map(|range| range.map(|end| end.lane(lane)));
-                Seen::new(screen, least_w, ranges)
-            }
+        let [least_weight, least_depth] = if self.weighed {
+            self.least_weight_and_depth()
+        } else {
+            [T::all(token, 1.0), least_w]
         };
-        let seen = Seen::side_by_side(of_lane);
+        let crosses_near = |lane: usize| least_depth.lane(lane) < screen.near;
+        let seen = if (0..T::LANES).any(crosses_near) {
+            Seen::each(token, |lane| {
+                if crosses_near(lane) {
+                    return Seen::across_near(screen, screen.near * least_weight.lane(lane));
+                }
+                let ranges = ranges.map(|range| range.map(|end| end.lane(lane)));
+                Seen::new(screen, least_w.lane(lane), ranges)
+            })
+        } else {
+            Seen::new(screen, least_w, ranges)
+        };
         let [uu, uv, vv] = self.squares(&seen);
         let degree = (N - 1) as f64;
-        let second = T::all(degree * (degree - 1.0));
+        let second = T::all(token, degree * (degree - 1.0));
         let depth_ratio = greatest_w / seen.nearest;
-        let diagonal = T::all(2.0 * screen.half.length());
-        let extent = [0, 1].map(|axis| T::all(2.0 * screen.half[axis]) * seen.spread[axis]);
-        let extent = (extent[0] * extent[0] + extent[1] * extent[1]).sqrt().least(diagonal);
+        let diagonal = T::all(token, 2.0 * screen.half.length());
+        let width = T::all(token, 2.0 * screen.half.x) * seen.spread[0];
+        let height = T::all(token, 2.0 * screen.half.y) * seen.spread[1];
+        let extent = (width * width + height * height).sqrt().least(diagonal);
         // Rasterisers interpolate what is divided by w, in `f32`.
-        let interpolation = T::all(ROUNDING_UNIT) * depth_ratio * extent;
-        let depth = least_depth.most(T::all(screen.near));
+        let interpolation = T::all(token, ROUNDING_UNIT) * depth_ratio * extent;
+        let depth = least_depth.most(T::all(token, screen.near));
         Bound {
             curvature: Curvature {
                 uu: second * uu.sqrt(),
-                uv: T::all(degree * degree) * uv.sqrt(),
+                uv: T::all(token, degree * degree) * uv.sqrt(),
                 vv: second * vv.sqrt(),
             },
-            rounding: T::all(rounding.pixels(screen)) / depth + interpolation,
+            rounding: T::all(token, rounding.pixels(screen)) / depth + interpolation,
             depth_ratio,
             extent,
             least_depth,
@@ -141,16 +159,17 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
     }
 
     /// The squares of the largest second differences along u, along both and along v, on the screen.
-    #[inline]
+    #[inline(always)]
     fn squares(&self, seen: &Seen<T>) -> [T; 3] {
+        let zero = T::all(self.token(), 0.0);
         let [x, y, _, w, _] = &self.axes;
         // About the middle of what is seen, in pixels.
-        let mut points = [[[T::all(0.0); 3]; N]; N];
+        let mut points = [[[zero; 3]; N]; N];
         for row in 0..N {
             for column in 0..N {
                 let w = w[row][column];
-                let about = |axis: usize, value: T| (value - seen.middle[axis] * w) * seen.px[axis];
-                points[row][column] = [about(0, x[row][column]), about(1, y[row][column]), w];
+                let at = [x[row][column], y[row][column], w];
+                points[row][column] = seen.about_middle(at);
             }
         }
         let (mut along_u, mut along_v) = (points, points);
@@ -164,7 +183,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
                 along_v[i][column] = difference(points[i + 1][column], points[i][column]);
             }
         }
-        let [mut uu, mut uv, mut vv] = [T::all(0.0); 3];
+        let [mut uu, mut uv, mut vv] = [zero; 3];
         for row in &along_u {
             for i in 0..N - 2 {
                 uu = uu.most(seen.squared(difference(row[i + 1], row[i])));
@@ -240,23 +259,6 @@ pub(crate) struct Seen<T> {
 }
 
 impl Seen<f64> {
-    /// For ranges [least, greatest] of x/w and y/w.
-    pub(crate) fn new(screen: &Screen, least_w: f64, ranges: [[f64; 2]; 2]) -> Self {
-        // Rounding must not narrow the ranges, nor shorten their halves.
-        const WIDER: f64 = 1e-15;
-        let ranges = ranges
-            .map(|[low, high]| [low - WIDER, high + WIDER].map(|value| value.clamp(-1.0, 1.0)));
-        let px = (screen.half / least_w).to_array();
-        let spread = ranges.map(|[low, high]| 0.5 * (high - low) + WIDER);
-        Self {
-            px,
-            middle: ranges.map(|[low, high]| 0.5 * (low + high)),
-            spread,
-            reach: [0, 1].map(|axis| px[axis] * spread[axis]),
-            nearest: least_w,
-        }
-    }
-
     /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
     pub(crate) fn across_near(screen: &Screen, near: f64) -> Self {
         let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
@@ -272,31 +274,58 @@ impl Seen<f64> {
     }
 
     /// The square of the size on the screen of a difference in clip space, at most.
-    pub(crate) fn squared_in_clip(&self, [x, y, w]: [f64; 3]) -> f64 {
-        let about = |axis: usize, value: f64| (value - self.middle[axis] * w) * self.px[axis];
-        self.squared([about(0, x), about(1, y), w])
+    pub(crate) fn squared_in_clip(&self, difference: [f64; 3]) -> f64 {
+        self.squared(self.about_middle(difference))
     }
 }
 
 impl<T: Number> Seen<T> {
-    #[inline]
-    fn side_by_side(of_lane: impl Fn(usize) -> Seen<f64>) -> Self {
-        let lanes = [of_lane(0), of_lane(T::LANES - 1)];
+    /// For ranges [least, greatest] of x/w and y/w.
+    #[inline(always)]
+    pub(crate) fn new(screen: &Screen, least_w: T, ranges: [[T; 2]; 2]) -> Self {
+        // Rounding must not narrow the ranges, nor shorten their halves.
+        const WIDER: f64 = 1e-15;
+        let token = least_w.token();
+        let (wider, one) = (T::all(token, WIDER), T::all(token, 1.0));
+        let (half, minus_one) = (T::all(token, 0.5), T::all(token, -1.0));
+        let mut px = [one; 2];
+        let (mut middle, mut spread, mut reach) = (px, px, px);
+        for axis in 0..2 {
+            let low = (ranges[axis][0] - wider).most(minus_one).least(one);
+            let high = (ranges[axis][1] + wider).most(minus_one).least(one);
+            px[axis] = T::all(token, screen.half[axis]) / least_w;
+            middle[axis] = half * (low + high);
+            spread[axis] = half * (high - low) + wider;
+            reach[axis] = px[axis] * spread[axis];
+        }
+        Self { px, middle, spread, reach, nearest: least_w }
+    }
+
+    /// What is seen of each lane.
+    fn each(token: T::Token, of: impl Fn(usize) -> Seen<f64>) -> Self {
+        let lanes: [Seen<f64>; MOST_LANES] = std::array::from_fn(|lane| of(lane.min(T::LANES - 1)));
         let pair = |pick: fn(&Seen<f64>) -> [f64; 2]| {
-            [T::each(|lane| pick(&lanes[lane])[0]), T::each(|lane| pick(&lanes[lane])[1])]
+            [0, 1].map(|axis| T::each(token, |lane| pick(&lanes[lane])[axis]))
         };
         Self {
             px: pair(|seen| seen.px),
             middle: pair(|seen| seen.middle),
             spread: pair(|seen| seen.spread),
             reach: pair(|seen| seen.reach),
-            nearest: T::each(|lane| lanes[lane].nearest),
+            nearest: T::each(token, |lane| lanes[lane].nearest),
         }
+    }
+
+    /// A point or a difference of points in clip space, its x and y about the middle of what is seen and in
+    /// pixels.
+    #[inline(always)]
+    fn about_middle(&self, [x, y, w]: [T; 3]) -> [T; 3] {
+        [(x - self.middle[0] * w) * self.px[0], (y - self.middle[1] * w) * self.px[1], w]
     }
 
     /// The square of a difference's size on the screen, at most; x and y are about the middle and in
     /// pixels.
-    #[inline]
+    #[inline(always)]
     fn squared(&self, [x, y, w]: [T; 3]) -> T {
         let w = w.abs();
         let (x, y) = (x.abs() + self.reach[0] * w, y.abs() + self.reach[1] * w);
@@ -304,7 +333,7 @@ impl<T: Number> Seen<T> {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn difference<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

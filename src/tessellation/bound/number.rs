@@ -1,25 +1,31 @@
-//! Numbers of one patch, or of two that are worked on side by side.
+//! Numbers of one patch, or of several that are worked on side by side: as many as the processor's
+//! widest registers hold, found out when the program runs.
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use wide::f64x2;
+use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat};
+
+/// The most lanes that any processor has.
+pub(super) const MOST_LANES: usize = 8;
 
 /// A number of each of one or more patches, called lanes. An operation does the same to each lane, and
-/// a lane's bits do not depend on the others.
+/// a lane's bits do not depend on the others, nor on how many there are.
 pub(crate) trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// How many: one or two.
+    /// What numbers are made with: it tells what the processor can do.
+    type Token: Copy;
+
+    /// How many lanes.
     const LANES: usize;
 
+    fn token(self) -> Self::Token;
+
     /// A number for each lane.
-    fn each(of: impl Fn(usize) -> f64) -> Self;
+    fn each(token: Self::Token, of: impl Fn(usize) -> f64) -> Self;
 
     /// One number for all lanes.
-    #[inline]
-    fn all(value: f64) -> Self {
-        Self::each(|_| value)
-    }
+    fn all(token: Self::Token, value: f64) -> Self;
 
     fn lane(self, lane: usize) -> f64;
 
@@ -27,19 +33,35 @@ pub(crate) trait Number:
 
     fn sqrt(self) -> Self;
 
+    fn ceil(self) -> Self;
+
     /// The larger of two numbers, neither of which is NaN: what processors do in one step.
     fn most(self, other: Self) -> Self;
 
     /// The smaller.
     fn least(self, other: Self) -> Self;
+
+    /// The first of the two choices where this number is at most the other; the second where it is not or
+    /// one of them is NaN.
+    fn choose_at_most(self, other: Self, choices: [Self; 2]) -> Self;
 }
 
 impl Number for f64 {
+    type Token = ();
+
     const LANES: usize = 1;
 
     #[inline]
-    fn each(of: impl Fn(usize) -> Self) -> Self {
+    fn token(self) -> Self::Token {}
+
+    #[inline]
+    fn each((): Self::Token, of: impl Fn(usize) -> Self) -> Self {
         of(0)
+    }
+
+    #[inline]
+    fn all((): Self::Token, value: f64) -> Self {
+        value
     }
 
     #[inline]
@@ -58,6 +80,11 @@ impl Number for f64 {
     }
 
     #[inline]
+    fn ceil(self) -> Self {
+        self.ceil()
+    }
+
+    #[inline]
     fn most(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
@@ -66,38 +93,107 @@ impl Number for f64 {
     fn least(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
+
+    #[inline]
+    fn choose_at_most(self, other: Self, [yes, no]: [Self; 2]) -> Self {
+        if self <= other { yes } else { no }
+    }
 }
 
-impl Number for f64x2 {
-    const LANES: usize = 2;
+/// A number of each of as many patches as a register of the processor holds.
+///
+/// Whatever works with them is inlined up to where the processor was asked, so that it is compiled for it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lanes<S: Simd>(S::f64s);
 
-    #[inline]
-    fn each(of: impl Fn(usize) -> f64) -> Self {
-        Self::new([of(0), of(1)])
+impl<S: Simd> Number for Lanes<S> {
+    type Token = S;
+
+    const LANES: usize = S::f64s::LEN;
+
+    #[inline(always)]
+    fn token(self) -> S {
+        ExtractToken::token(&self.0)
     }
 
-    #[inline]
+    #[inline(always)]
+    fn each(token: S, of: impl Fn(usize) -> f64) -> Self {
+        Self(S::f64s::from_fn(token, of))
+    }
+
+    #[inline(always)]
+    fn all(token: S, value: f64) -> Self {
+        Self(S::f64s::splat(token, value))
+    }
+
+    #[inline(always)]
     fn lane(self, lane: usize) -> f64 {
-        self.to_array()[lane]
+        self.0[lane]
     }
 
-    #[inline]
+    #[inline(always)]
     fn abs(self) -> Self {
-        self.abs()
+        Self(self.0.abs())
     }
 
-    #[inline]
+    #[inline(always)]
     fn sqrt(self) -> Self {
-        self.sqrt()
+        Self(self.0.sqrt())
     }
 
-    #[inline]
+    #[inline(always)]
+    fn ceil(self) -> Self {
+        Self(self.0.ceil())
+    }
+
+    #[inline(always)]
     fn most(self, other: Self) -> Self {
-        self.fast_max(other)
+        Self(self.0.max(other.0))
     }
 
-    #[inline]
+    #[inline(always)]
     fn least(self, other: Self) -> Self {
-        self.fast_min(other)
+        Self(self.0.min(other.0))
+    }
+
+    #[inline(always)]
+    fn choose_at_most(self, other: Self, [yes, no]: [Self; 2]) -> Self {
+        Self(self.0.simd_le(other.0).select(yes.0, no.0))
+    }
+}
+
+impl<S: Simd> Add for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(self.0 + other.0)
+    }
+}
+
+impl<S: Simd> Sub for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(self.0 - other.0)
+    }
+}
+
+impl<S: Simd> Mul for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(self.0 * other.0)
+    }
+}
+
+impl<S: Simd> Div for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self(self.0 / other.0)
     }
 }

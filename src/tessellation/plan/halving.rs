@@ -1,7 +1,7 @@
 //! Patches in parts: halved until each part needs few cells, or is not seen.
 
 use super::{MOST_CELLS, Plan, State, raise};
-use crate::tessellation::bound::{Bound, ClipNet, Rounding, Screen};
+use crate::tessellation::bound::{Bound, ClipNet, Need, Rounding, Screen};
 
 /// Cells a side beyond which a patch is drawn in parts. Parts have bounds of their own, and what is not
 /// seen of them is not drawn; very small ones cost more than they save. The teapot at 0.5 px has 34,562
@@ -11,10 +11,6 @@ const MOST_WHOLE: f64 = 16.0;
 const MOST_HALVINGS: u8 = 7;
 /// How often a part is halved further to tell its error.
 const DEEPER: u32 = 6;
-/// Rasterisers move vertices to 1/256 of a pixel.
-const SUBPIXEL: f64 = 0.003;
-/// What the tessellator's fixed-point places can add, as a share of the tolerance.
-const SHARE: f64 = 0.99;
 
 /// A part of a patch while it is being halved.
 #[derive(Debug, Clone, Copy)]
@@ -30,15 +26,15 @@ impl Plan {
     #[inline]
     pub(super) fn decide<const N: usize>(
         &mut self,
-        bound: Bound,
+        need: &Need,
         screen: &Screen,
         rounding: &Rounding,
         net: impl Fn() -> ClipNet<N>,
     ) -> State {
-        let extent = bound.extent as f32;
-        let levels = wanted_levels(&bound, screen);
-        if levels[0] <= MOST_WHOLE && levels[1] <= MOST_WHOLE && !is_too_deep(&bound, screen) {
-            let cells = self.settle(&bound, levels, screen, rounding, net);
+        let extent = need.bound.extent as f32;
+        let [along_u, along_v] = need.levels;
+        if along_u <= MOST_WHOLE && along_v <= MOST_WHOLE && !is_too_deep(&need.bound, screen) {
+            let cells = self.settle(need, screen, rounding, net);
             return State { drawn: true, cells, extent, ..State::default() };
         }
         self.leaves.clear();
@@ -50,16 +46,15 @@ impl Plan {
     #[inline]
     fn settle<const N: usize>(
         &mut self,
-        bound: &Bound,
-        levels: [f64; 2],
+        need: &Need,
         screen: &Screen,
         rounding: &Rounding,
         net: impl Fn() -> ClipNet<N>,
     ) -> [u8; 2] {
-        let cells = levels.map(|level| level.min(MOST_CELLS.into()));
-        let mut error = bound.error(cells, screen) + SUBPIXEL;
-        if error > screen.tolerance() {
-            error = left_over(&net(), bound, cells, screen, rounding, DEEPER);
+        let cells = need.levels.map(|level| level.min(MOST_CELLS.into()));
+        let mut error = need.error;
+        if cells != need.levels || error > screen.tolerance() {
+            error = left_over(&net(), &need.bound, cells, screen, rounding, DEEPER);
             if error > screen.tolerance() {
                 raise(&mut self.figures.unmet, error);
             }
@@ -80,15 +75,15 @@ impl Plan {
             self.leaves.push(part);
             return;
         }
-        let bound = net.bound(screen, rounding);
-        let levels = wanted_levels(&bound, screen);
-        let too_deep = is_too_deep(&bound, screen);
+        let need = Need::new(net.bound(screen, rounding), screen);
+        let levels = need.levels;
+        let too_deep = is_too_deep(&need.bound, screen);
         let needs = [0, 1].map(|axis| {
             (levels[axis] > MOST_WHOLE || too_deep) && part.halvings[axis] < MOST_HALVINGS
         });
         let axis = match needs {
             [false, false] => {
-                let cells = self.settle(&bound, levels, screen, rounding, || *net);
+                let cells = self.settle(&need, screen, rounding, || *net);
                 self.leaves.push(Leaf { cells: Some(cells), ..part });
                 return;
             }
@@ -152,14 +147,6 @@ impl Plan {
     }
 }
 
-/// The levels that a part needs.
-fn wanted_levels(bound: &Bound, screen: &Screen) -> [f64; 2] {
-    let tolerance = screen.tolerance();
-    let left = SHARE * tolerance - SUBPIXEL - bound.rounding;
-    // Where rounding leaves nothing, more triangles do not help.
-    bound.curvature.levels(if left > 0.1 * tolerance { left } else { 0.5 * tolerance })
-}
-
 /// How far a part of so many cells can be from the surface at most. Where its bound is above the
 /// tolerance, smaller parts may tell better: much of it may be out of sight.
 fn left_over<const N: usize>(
@@ -170,7 +157,7 @@ fn left_over<const N: usize>(
     rounding: &Rounding,
     deeper: u32,
 ) -> f64 {
-    let error = bound.error(cells, screen) + SUBPIXEL;
+    let error = bound.error(cells, screen);
     // Smaller parts are rounded as much, but for what they reach into the depth.
     let hopeless = bound.rounding > screen.tolerance() && bound.depth_ratio <= 2.0;
     if error <= screen.tolerance() || deeper == 0 || hopeless {

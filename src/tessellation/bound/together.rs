@@ -1,0 +1,92 @@
+//! Many patches bounded in one go, as many side by side as the processor has room for.
+
+use fearless_simd::{Level, Simd, dispatch};
+
+use super::net::{ClipNet, Points, ToClip};
+use super::number::{Lanes, MOST_LANES, Number};
+use super::{Bound, Rounding, Screen};
+
+/// How many patches are bounded in one go; asking the processor what it can do must not cost.
+pub(crate) const TOGETHER: usize = 64;
+
+/// What a patch needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Need<T = f64> {
+    pub(crate) bound: Bound<T>,
+    /// Cells along u and v that keep it within the tolerance.
+    pub(crate) levels: [T; 2],
+    /// How far it is off with those, in pixels; see [`Bound::error`].
+    pub(crate) error: T,
+}
+
+impl<T: Number> Need<T> {
+    #[inline(always)]
+    pub(crate) fn new(bound: Bound<T>, screen: &Screen) -> Self {
+        let levels = bound.levels(screen);
+        Self { bound, levels, error: bound.error(levels, screen) }
+    }
+
+    /// The need of one lane's patch.
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> Need {
+        Need {
+            bound: self.bound.lane(lane),
+            levels: self.levels.map(|level| level.lane(lane)),
+            error: self.error.lane(lane),
+        }
+    }
+}
+
+/// A patch to bound.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Candidate<'a, const N: usize> {
+    pub(crate) points: &'a Points<N>,
+    /// Whether its weights may differ from 1.
+    pub(crate) weighed: bool,
+    /// Where its need is written to.
+    pub(crate) place: usize,
+}
+
+/// Finds out what those patches need that are not out of sight.
+pub(crate) fn needs_of<const N: usize>(
+    processor: Level,
+    patches: &[Candidate<'_, N>],
+    to_clip: &ToClip,
+    rounding: &Rounding,
+    screen: &Screen,
+    needs: &mut [Option<Need>],
+) {
+    dispatch!(processor, simd => {
+        side_by_side(simd, patches, to_clip, rounding, screen, needs);
+    });
+}
+
+#[inline(always)]
+fn side_by_side<const N: usize, S: Simd>(
+    simd: S,
+    patches: &[Candidate<'_, N>],
+    to_clip: &ToClip,
+    rounding: &Rounding,
+    screen: &Screen,
+    needs: &mut [Option<Need>],
+) {
+    for patches in patches.chunks(Lanes::<S>::LANES) {
+        // The last one fills what lanes are left.
+        let last = patches.len() - 1;
+        let points: [&Points<N>; MOST_LANES] =
+            std::array::from_fn(|lane| patches[lane.min(last)].points);
+        let weighed = patches.iter().any(|patch| patch.weighed);
+        let net: ClipNet<N, Lanes<S>> = ClipNet::new(simd, |lane| points[lane], weighed, to_clip);
+        let outside = net.outside();
+        let is_seen = |lane: usize| outside.lane(lane) <= 0.0;
+        if !(0..patches.len()).any(is_seen) {
+            continue;
+        }
+        let need = Need::new(net.bound(screen, rounding), screen);
+        for (lane, patch) in patches.iter().enumerate() {
+            if is_seen(lane) {
+                needs[patch.place] = Some(need.lane(lane));
+            }
+        }
+    }
+}
