@@ -150,8 +150,8 @@ impl<T: Number> Bound<T> {
         let tolerance = screen.tolerance;
         let left = all(SHARE * tolerance - SUBPIXEL) - self.rounding;
         // Where rounding leaves nothing, more triangles do not help.
-        let least = all(0.1 * tolerance);
-        self.curvature.levels(left.choose_at_most(least, [all(0.5 * tolerance), left]))
+        let left = all(0.1 * tolerance).choose_at_most(left, [left, all(0.5 * tolerance)]);
+        self.curvature.levels(left)
     }
 }
 
@@ -172,8 +172,7 @@ impl<T: Number> Curvature<T> {
         let all = |value| T::all(uu.token(), value);
         let one = all(1.0);
         // Levels in the ratio of the roots of the curvatures need the fewest triangles; where the
-        // patch is all twist, any ratio does. A patch that bends along one direction alone has the levels
-        // that this asks for, and the other's do not count.
+        // patch is all twist, any ratio does. Where it bends along one direction alone, none is so large.
         let twist = all(0.3) * uv.sqrt();
         let (a, b) = (uu.sqrt().most(twist), vv.sqrt().most(twist));
         // With n along u and n·b/a along v.
