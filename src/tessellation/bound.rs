@@ -143,7 +143,8 @@ impl<T: Number> Bound<T> {
         all(screen.near).choose_at_most(self.least_depth, [error, across_near])
     }
 
-    /// The cells along u and v that keep the patch within the tolerance.
+    /// The cells along u and v that keep the patch within the tolerance, as far as cells can: rounding may
+    /// be beyond it, or nothing may be known of the patch; then there are infinitely many.
     #[inline(always)]
     pub(crate) fn levels(&self, screen: &Screen) -> [T; 2] {
         let all = |value| T::all(self.rounding.token(), value);
@@ -333,6 +334,11 @@ mod tests {
         let levels = curvature.levels(tolerance);
         prop_assert!(levels.iter().all(|level| *level >= 1.0 && level.fract() == 0.0));
         prop_assert!(curvature.error(levels) <= tolerance * (1.0 + 2e-9));
+        let [along_u, along_v] = levels;
+        if along_v > 1.0 && along_v.is_finite() {
+            let fewer = curvature.error([along_u, along_v - 1.0]);
+            prop_assert!(fewer > tolerance * (1.0 - 1e-9), "{fewer} with fewer than {levels:?}");
+        }
         let error = measured(degree, points, projection, levels, random);
         prop_assert!(error <= tolerance * (1.0 + 1e-6), "{error} at {levels:?}");
         if outside {
@@ -451,6 +457,57 @@ mod tests {
                     prop_assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()));
                 }
             }
+        }
+    }
+
+    #[test]
+    fn lanes_have_the_levels_of_their_curvatures() {
+        let values = [0.0, 1e-300, 1.0, 3.0, 200.0, 1e300, f64::INFINITY, f64::NAN];
+        let of =
+            |i: usize| Curvature { uu: values[i / 64], uv: values[i / 8 % 8], vv: values[i % 8] };
+        for processor in processors() {
+            fearless_simd::dispatch!(processor, simd => check_lanes(simd, of));
+        }
+    }
+
+    #[inline(always)]
+    fn check_lanes<S: fearless_simd::Simd>(simd: S, of: impl Fn(usize) -> Curvature) {
+        let lanes = number::Lanes::<S>::LANES;
+        for first in (0..512).step_by(lanes) {
+            let each = |pick: fn(Curvature) -> f64| {
+                number::Lanes::each(simd, |lane| pick(of(first + lane)))
+            };
+            let all = Curvature { uu: each(|c| c.uu), uv: each(|c| c.uv), vv: each(|c| c.vv) };
+            let levels = all.levels(number::Lanes::all(simd, 0.5));
+            for lane in 0..lanes {
+                let alone = of(first + lane);
+                assert_eq!(levels.map(|level| level.lane(lane)), alone.levels(0.5), "{alone:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_rounding_leaves_is_shared_out() {
+        let projection =
+            Camera::new(DVec3::Z, DVec3::ZERO, DVec3::Y, Lens::Orthographic { height: 2.0 })
+                .unwrap()
+                .projection([DVec3::splat(-1.0), DVec3::splat(1.0)].into_iter(), 1.6);
+        let screen = Screen::new(&projection, SIZE, 0.5);
+        let levels = |rounding| {
+            let curvature = Curvature { uu: 128.0, uv: 0.0, vv: 0.0 };
+            let bound =
+                Bound { curvature, rounding, depth_ratio: 1.0, extent: 9.0, least_depth: 1.0 };
+            let levels = bound.levels(&screen);
+            (levels, bound.error(levels, &screen))
+        };
+        assert_eq!(levels(0.0).0, [6.0, 1.0]);
+        // Twice as many for a quarter of the error.
+        let (finer, error) = levels(0.375);
+        assert_eq!(finer, [12.0, 1.0]);
+        assert!(error <= 0.5, "{error}");
+        // Where there is nothing left, half of the tolerance.
+        for much in [0.45, 3.0, f64::INFINITY, f64::NAN] {
+            assert_eq!(levels(much).0, [8.0, 1.0], "{much}");
         }
     }
 

@@ -12,6 +12,8 @@
 //! levels of its edges are multiples of 2ⁱ and 2ʲ.
 
 mod halving;
+#[cfg(test)]
+mod tests;
 
 use bytemuck::{Pod, Zeroable};
 use fearless_simd::Level;
@@ -105,8 +107,7 @@ impl SurfacePatches<'_> {
         })
     }
 
-    /// What patches from this one on need; nothing those that are out of sight, or that face away where
-    /// that counts.
+    /// What patches from this one on need; none of those out of sight, or that face away where that counts.
     fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
         let patches = &self.patches::<N>()[first..];
         let none = Candidate { points: &patches[0], weighed: false, place: 0 };
@@ -452,14 +453,15 @@ impl Plan {
             let lists = if is_trimmed { surface.lists.trimmed } else { surface.lists.kept };
             lists[degenerate]
         };
-        let mut trims = surface.trims.take();
-        let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.halvings));
         if state.halvings == [0; 2] {
-            let list = list_of(cuts.map(|cuts| cuts[0]));
-            self.push(surface, patch, list, &Grid { sides, place: [0; 2], edges: borders });
-            surface.trims = trims;
+            // By itself, because nearly all are so: the whole pass takes a sixth less.
+            let cut = surface.trims.as_deref_mut().map(|trims| trims.cuts([0; 2])[0]);
+            let grid = Grid { sides, place: [0; 2], edges: borders };
+            self.push(surface, patch, list_of(cut), &grid);
             return;
         }
+        let mut trims = surface.trims.take();
+        let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.halvings));
         let last = sides.map(|parts| parts as usize - 1);
         for row in 0..=last[1] {
             for column in 0..=last[0] {

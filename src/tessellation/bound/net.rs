@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec4};
 
-use super::number::{MOST_LANES, Number};
+use super::number::Number;
 use super::{Bound, Curvature, ROUNDING_UNIT, Rounding, Screen};
 
 /// From the space of control points to clip space: the matrix row by row.
@@ -122,18 +122,10 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         } else {
             [T::all(token, 1.0), least_w]
         };
-        let crosses_near = |lane: usize| least_depth.lane(lane) < screen.near;
-        let seen = if (0..T::LANES).any(crosses_near) {
-            Seen::each(token, |lane| {
-                if crosses_near(lane) {
-                    return Seen::across_near(screen, screen.near * least_weight.lane(lane));
-                }
-                let ranges = ranges.map(|range| range.map(|end| end.lane(lane)));
-                Seen::new(screen, least_w.lane(lane), ranges)
-            })
-        } else {
-            Seen::new(screen, least_w, ranges)
-        };
+        let near = T::all(token, screen.near);
+        let seen = Seen::new(screen, least_w, ranges);
+        let across_near = Seen::across_near(screen, near * least_weight);
+        let seen = seen.choose_if_at_most([near, least_depth], &across_near);
         let [uu, uv, vv] = self.squares(&seen);
         let degree = (N - 1) as f64;
         let second = T::all(token, degree * (degree - 1.0));
@@ -144,7 +136,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         let extent = (width * width + height * height).sqrt().least(diagonal);
         // Rasterisers interpolate what is divided by w, in `f32`.
         let interpolation = T::all(token, ROUNDING_UNIT) * depth_ratio * extent;
-        let depth = least_depth.most(T::all(token, screen.near));
+        let depth = least_depth.most(near);
         Bound {
             curvature: Curvature {
                 uu: second * uu.sqrt(),
@@ -259,20 +251,6 @@ pub(crate) struct Seen<T> {
 }
 
 impl Seen<f64> {
-    /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
-    pub(crate) fn across_near(screen: &Screen, near: f64) -> Self {
-        let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half;
-        // Each axis by itself stays within 1/√2 of the tolerance.
-        let px = screen.half * std::f64::consts::SQRT_2 / near;
-        Self {
-            px: px.to_array(),
-            middle: [0.0; 2],
-            spread: (1.0 + t).to_array(),
-            reach: (px * (1.0 + t)).to_array(),
-            nearest: near,
-        }
-    }
-
     /// The square of the size on the screen of a difference in clip space, at most.
     pub(crate) fn squared_in_clip(&self, difference: [f64; 3]) -> f64 {
         self.squared(self.about_middle(difference))
@@ -301,18 +279,33 @@ impl<T: Number> Seen<T> {
         Self { px, middle, spread, reach, nearest: least_w }
     }
 
-    /// What is seen of each lane.
-    fn each(token: T::Token, of: impl Fn(usize) -> Seen<f64>) -> Self {
-        let lanes: [Seen<f64>; MOST_LANES] = std::array::from_fn(|lane| of(lane.min(T::LANES - 1)));
-        let pair = |pick: fn(&Seen<f64>) -> [f64; 2]| {
-            [0, 1].map(|axis| T::each(token, |lane| pick(&lanes[lane])[axis]))
-        };
+    /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
+    #[inline(always)]
+    pub(crate) fn across_near(screen: &Screen, near: T) -> Self {
+        let token = near.token();
+        let mut px = [near; 2];
+        let (mut spread, mut reach) = (px, px);
+        for axis in 0..2 {
+            let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half[axis];
+            // Each axis by itself stays within 1/√2 of the tolerance.
+            px[axis] = T::all(token, screen.half[axis] * std::f64::consts::SQRT_2) / near;
+            spread[axis] = T::all(token, 1.0 + t);
+            reach[axis] = px[axis] * spread[axis];
+        }
+        Self { px, middle: [T::all(token, 0.0); 2], spread, reach, nearest: near }
+    }
+
+    /// This where the first number is at most the second, and the other where not.
+    #[inline(always)]
+    fn choose_if_at_most(&self, [a, b]: [T; 2], other: &Self) -> Self {
+        let of = |this: T, other: T| a.choose_at_most(b, [this, other]);
+        let pair = |this: [T; 2], other: [T; 2]| [of(this[0], other[0]), of(this[1], other[1])];
         Self {
-            px: pair(|seen| seen.px),
-            middle: pair(|seen| seen.middle),
-            spread: pair(|seen| seen.spread),
-            reach: pair(|seen| seen.reach),
-            nearest: T::each(token, |lane| lanes[lane].nearest),
+            px: pair(self.px, other.px),
+            middle: pair(self.middle, other.middle),
+            spread: pair(self.spread, other.spread),
+            reach: pair(self.reach, other.reach),
+            nearest: of(self.nearest, other.nearest),
         }
     }
 

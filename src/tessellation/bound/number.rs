@@ -1,5 +1,5 @@
-//! Numbers of one patch, or of several that are worked on side by side: as many as the processor's
-//! widest registers hold, found out when the program runs.
+//! Numbers of one patch, or of several that are worked on side by side: as many as the registers hold that
+//! the processor is good at, found out when the program runs.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -35,10 +35,10 @@ pub(crate) trait Number:
 
     fn ceil(self) -> Self;
 
-    /// The larger of two numbers, neither of which is NaN: what processors do in one step.
+    /// The larger of two numbers, and either of them if one is NaN: what processors do in one step.
     fn most(self, other: Self) -> Self;
 
-    /// The smaller.
+    /// The smaller, and either if one is NaN.
     fn least(self, other: Self) -> Self;
 
     /// The first of the two choices where this number is at most the other; the second where it is not or
@@ -102,7 +102,7 @@ impl Number for f64 {
 
 /// A number of each of as many patches as a register of the processor holds.
 ///
-/// Whatever works with them is inlined up to where the processor was asked, so that it is compiled for it.
+/// What is to be fast is inlined up to where the processor was asked, so that it is compiled for it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes<S: Simd>(S::f64s);
 

@@ -13,9 +13,9 @@ pub(crate) const TOGETHER: usize = 64;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Need<T = f64> {
     pub(crate) bound: Bound<T>,
-    /// Cells along u and v that keep it within the tolerance.
+    /// See [`Bound::levels`].
     pub(crate) levels: [T; 2],
-    /// How far it is off with those, in pixels; see [`Bound::error`].
+    /// How far it is off with those, in pixels, if there are finitely many; see [`Bound::error`].
     pub(crate) error: T,
 }
 
@@ -47,7 +47,7 @@ pub(crate) struct Candidate<'a, const N: usize> {
     pub(crate) place: usize,
 }
 
-/// Finds out what those patches need that are not out of sight.
+/// Finds out what patches need; writes nothing for those out of sight.
 pub(crate) fn needs_of<const N: usize>(
     processor: Level,
     patches: &[Candidate<'_, N>],
@@ -78,13 +78,13 @@ fn side_by_side<const N: usize, S: Simd>(
         let weighed = patches.iter().any(|patch| patch.weighed);
         let net: ClipNet<N, Lanes<S>> = ClipNet::new(simd, |lane| points[lane], weighed, to_clip);
         let outside = net.outside();
-        let is_seen = |lane: usize| outside.lane(lane) <= 0.0;
-        if !(0..patches.len()).any(is_seen) {
+        let is_outside = |lane: usize| outside.lane(lane) > 0.0;
+        if (0..patches.len()).all(is_outside) {
             continue;
         }
         let need = Need::new(net.bound(screen, rounding), screen);
         for (lane, patch) in patches.iter().enumerate() {
-            if is_seen(lane) {
+            if !is_outside(lane) {
                 needs[patch.place] = Some(need.lane(lane));
             }
         }

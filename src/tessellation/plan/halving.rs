@@ -76,12 +76,12 @@ impl Plan {
             return;
         }
         let need = Need::new(net.bound(screen, rounding), screen);
-        let levels = need.levels;
         let too_deep = is_too_deep(&need.bound, screen);
-        let needs = [0, 1].map(|axis| {
+        let levels = need.levels;
+        let may_be_halved = [0, 1].map(|axis| {
             (levels[axis] > MOST_WHOLE || too_deep) && part.halvings[axis] < MOST_HALVINGS
         });
-        let axis = match needs {
+        let axis = match may_be_halved {
             [false, false] => {
                 let cells = self.settle(&need, screen, rounding, || *net);
                 self.leaves.push(Leaf { cells: Some(cells), ..part });
