@@ -70,6 +70,7 @@ fn side_by_side<const N: usize, S: Simd>(
     screen: &Screen,
     needs: &mut [Option<Need>],
 ) {
+    const { assert!(Lanes::<S>::LANES <= MOST_LANES) };
     for patches in patches.chunks(Lanes::<S>::LANES) {
         // The last one fills what lanes are left.
         let last = patches.len() - 1;
