@@ -1,5 +1,6 @@
 //! The command line: what can be asked for, and who does it.
 
+mod check;
 mod exr;
 mod info;
 mod measure;
@@ -264,6 +265,11 @@ struct InfoArguments {
     /// Where the OpenGL context comes from: auto, egl or osmesa.
     #[arg(long, value_name = "BACKEND", default_value_t)]
     backend: Backend,
+
+    /// Draw patches, trims and a mesh whose points are known, and say in one line whether this driver
+    /// draws them right; the exit status is 1 if not.
+    #[arg(long)]
+    check: bool,
 }
 
 fn resolution(text: &str) -> Result<(u32, u32), String> {
@@ -372,8 +378,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
         Some(Command::Report(arguments)) => report::run(arguments).map_err(|error| vec![error]),
         Some(Command::View(arguments)) => view::run(arguments).map_err(|error| vec![error]),
-        Some(Command::Info(arguments)) => {
-            info::print(arguments.backend).map_err(|error| vec![error])
+        Some(Command::Info(InfoArguments { backend, check })) => {
+            let print = if *check { info::print_check } else { info::print };
+            print(*backend).map_err(|error| vec![error])
         }
     }
 }

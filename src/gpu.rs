@@ -7,6 +7,7 @@
 
 mod buffer;
 mod debug;
+mod driver;
 mod float_target;
 mod framebuffer;
 mod program;
@@ -20,6 +21,8 @@ use glow::HasContext;
 
 pub use buffer::Buffer;
 pub use debug::DebugLog;
+pub(crate) use driver::check_context;
+pub use driver::{DriverInfo, Need};
 pub use float_target::FloatTarget;
 pub use framebuffer::Framebuffer;
 pub use program::{Program, ShaderPart, Stage, StageKind};
@@ -30,77 +33,6 @@ pub use vertex_array::VertexArray;
 
 use crate::tessellation::DrawSize;
 use crate::{Error, Result};
-
-/// What the driver is and how much it can do, as far as the program relies on it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct DriverInfo {
-    /// `GL_RENDERER`.
-    pub renderer: String,
-    /// `GL_VENDOR`.
-    pub vendor: String,
-    /// `GL_VERSION`.
-    pub version: String,
-    /// `GL_SHADING_LANGUAGE_VERSION`.
-    pub glsl_version: String,
-    /// `GL_MAX_PATCH_VERTICES`; a 5×5 patch needs 25.
-    pub max_patch_vertices: i32,
-    /// `GL_MAX_TESS_GEN_LEVEL`; the program goes to 64.
-    pub max_tess_level: i32,
-    /// The largest picture, in pixels a side.
-    pub max_size: i32,
-    /// `GL_MAX_TEXTURE_SIZE` in texels a side.
-    pub max_texture_size: i32,
-    /// `GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS`; the trims need 2.
-    pub max_fragment_storage_blocks: i32,
-    /// `GL_MAX_SAMPLES`.
-    pub max_samples: i32,
-}
-
-impl DriverInfo {
-    /// Whether the driver draws with the processor itself, and so shares its cores: one of Mesa's.
-    #[must_use]
-    pub fn is_software(&self) -> bool {
-        ["llvmpipe", "softpipe", "swr"].iter().any(|name| self.renderer.contains(name))
-    }
-
-    /// Reads the current context's names and limits.
-    #[must_use]
-    pub fn of(gl: &glow::Context) -> Self {
-        // SAFETY: the context is current (see the module); all parameters exist since OpenGL 4.3.
-        unsafe {
-            let mut viewport = [0; 2];
-            gl.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport);
-            let renderbuffer = gl.get_parameter_i32(glow::MAX_RENDERBUFFER_SIZE);
-            Self {
-                renderer: gl.get_parameter_string(glow::RENDERER),
-                vendor: gl.get_parameter_string(glow::VENDOR),
-                version: gl.get_parameter_string(glow::VERSION),
-                glsl_version: gl.get_parameter_string(glow::SHADING_LANGUAGE_VERSION),
-                max_patch_vertices: gl.get_parameter_i32(glow::MAX_PATCH_VERTICES),
-                max_tess_level: gl.get_parameter_i32(glow::MAX_TESS_GEN_LEVEL),
-                max_size: renderbuffer.min(viewport[0]).min(viewport[1]),
-                max_texture_size: gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE),
-                max_fragment_storage_blocks: gl
-                    .get_parameter_i32(glow::MAX_FRAGMENT_SHADER_STORAGE_BLOCKS),
-                max_samples: gl.get_parameter_i32(glow::MAX_SAMPLES),
-            }
-        }
-    }
-}
-
-/// Refuses a context older than OpenGL 4.5.
-pub(crate) fn check_version(gl: &glow::Context) -> Result<()> {
-    let version = gl.version();
-    if version.is_embedded || (version.major, version.minor) < (4, 5) {
-        return Err(Error::Context(format!(
-            "the OpenGL context has version {}.{}{}; expected 4.5 or later, core profile",
-            version.major,
-            version.minor,
-            if version.is_embedded { " ES" } else { "" },
-        )));
-    }
-    Ok(())
-}
 
 /// How large draws of parts the driver likes.
 pub(crate) fn draw_size(gl: &glow::Context) -> DrawSize {
@@ -181,6 +113,26 @@ fn transfer_plainly(gl: &glow::Context) {
         gl.pixel_store_i32(glow::PACK_ALIGNMENT, 4);
         gl.pixel_store_i32(glow::UNPACK_ALIGNMENT, 4);
     }
+}
+
+/// An error if the driver has run out of memory since OpenGL's errors were last asked for: the object that
+/// was just given its size has none. Drivers raise it at once or never.
+fn check_memory(gl: &glow::Context, what: &str, bytes: u64) -> Result<()> {
+    let mut out_of_memory = false;
+    // A lost context may say so for ever; there are few kinds of errors.
+    for _ in 0..8 {
+        // SAFETY: the context is current (see the module).
+        match unsafe { gl.get_error() } {
+            glow::NO_ERROR => break,
+            glow::OUT_OF_MEMORY => out_of_memory = true,
+            _ => {}
+        }
+    }
+    if out_of_memory {
+        let reason = format!("it has no memory for {bytes} bytes");
+        return Err(Error::Driver { what: what.to_owned(), reason });
+    }
+    Ok(())
 }
 
 fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {

@@ -9,7 +9,7 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use crate::gpu::{DebugLog, DriverInfo, check_version};
+use crate::gpu::{DebugLog, DriverInfo, check_context};
 use crate::{Error, Result};
 
 /// Where a headless context comes from.
@@ -108,7 +108,7 @@ impl Headless {
     }
 
     fn finish(mut gl: glow::Context, backend: Backend, owner: Owner) -> Result<Self, String> {
-        check_version(&gl).map_err(|error| error.to_string())?;
+        check_context(&gl).map_err(|error| error.to_string())?;
         let debug_log = DebugLog::install(&mut gl);
         let info = DriverInfo::of(&gl);
         let gl = Arc::new(gl);

@@ -29,7 +29,7 @@ pub use triangles::DrawnVertex;
 use triangles::Feedback;
 
 use crate::camera::Projection;
-use crate::gpu::{Program, Target, Texture, VertexArray, check_version, draw_size, keep_memory};
+use crate::gpu::{Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory};
 use crate::tessellation::{DrawSize, Parts};
 use crate::{FrameFigures, FreeFormSurface, Method, Paint, RenderSettings, Result, Shading};
 
@@ -88,7 +88,7 @@ impl Renderer {
     /// # Errors
     /// A context older than OpenGL 4.5.
     pub fn with_sources(gl: &Arc<glow::Context>, sources: Sources) -> Result<Self> {
-        check_version(gl)?;
+        check_context(gl)?;
         keep_memory(gl);
         Ok(Self {
             gl: Arc::clone(gl),
@@ -243,11 +243,13 @@ impl Renderer {
         for domain in parts.domains() {
             program.set_vec3(location::PART, domain);
             for first in (0..patches).step_by(at_once) {
-                if aov {
-                    program.set_i32(location::FIRST_PATCH, (figures.patches + first) as i32);
-                }
                 let count = at_once.min(patches - first);
+                let first_patch = figures.patches + first;
                 let first = surface.uploaded_points().first() + first * side;
+                if aov {
+                    program.set_i32(location::FIRST_PATCH, first_patch as i32);
+                    program.set_i32(location::FIRST_POINT, first as i32);
+                }
                 // SAFETY: the context is current (see the type); the range lies within the buffer,
                 // whose points fit an i32 since it was made.
                 unsafe { self.gl.draw_arrays(glow::PATCHES, first as i32, (count * side) as i32) }

@@ -11,6 +11,11 @@ layout(vertices = SIDE * SIDE) out;
 
 layout(location = 0) uniform float tessLevel;
 
+#ifdef AOV
+flat in uint patchOfPoint[];
+patch out uint numberOfPatch;
+#endif
+
 void main()
 {
     gl_out[gl_InvocationID].gl_Position = gl_in[gl_InvocationID].gl_Position;
@@ -19,5 +24,8 @@ void main()
             gl_TessLevelOuter[edge] = tessLevel;
         gl_TessLevelInner[0] = tessLevel;
         gl_TessLevelInner[1] = tessLevel;
+#ifdef AOV
+        numberOfPatch = patchOfPoint[0];
+#endif
     }
 }

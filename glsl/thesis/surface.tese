@@ -18,7 +18,7 @@ layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims
 layout(location = 2) out vec4 position;      // view space
 layout(location = 4) out vec2 passUVCoord;   // (u, v), for the texture
 #ifdef AOV
-layout(location = 25) uniform int firstPatch; // of the draw
+patch in uint numberOfPatch;
 layout(location = 3) flat out uint passPatch;
 #endif
 
@@ -82,6 +82,6 @@ void main()
     position = viewPoint / viewPoint.w;
     gl_Position = projectionMatrix * viewPoint;
 #ifdef AOV
-    passPatch = uint(firstPatch + gl_PrimitiveID);
+    passPatch = numberOfPatch;
 #endif
 }

@@ -8,7 +8,6 @@
 layout(vertices = 3) out;
 
 layout(binding = 5) uniform usamplerBuffer levels; // of the edges from bit 0, 8 and 16, inside from 24
-layout(location = 31) uniform int firstTriangle;
 #ifdef PHONG_TESSELLATION
 layout(location = 30) uniform float alpha;
 #endif
@@ -16,6 +15,7 @@ layout(location = 30) uniform float alpha;
 in vec4 normalOfCorner[];
 in vec3 leavingCorner[];
 in vec3 arrivingCorner[];
+flat in uint triangleOfCorner[];
 
 out vec4 normalOfTriangle[];
 
@@ -72,8 +72,8 @@ void main()
 #ifndef PHONG_TESSELLATION
         middle = moved / 4.0;
 #endif
-        triangle = uint(firstTriangle + gl_PrimitiveID);
-        uint word = texelFetch(levels, int(triangle)).x;
+        triangle = triangleOfCorner[0];
+        uint word = texelFetch(levels, int(triangleOfCorner[0])).x;
         levelsOfTriangle = word;
         float level = float(word >> 24);
         gl_TessLevelOuter[0] = gl_TessLevelOuter[1] = gl_TessLevelOuter[2] = level;

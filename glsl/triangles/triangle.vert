@@ -1,4 +1,5 @@
-// Hands on a corner of a triangle.
+// Hands on a corner of a triangle, with the triangle's number: corner i of the buffer belongs to triangle
+// i / 3. gl_PrimitiveID would not do: drivers that divide a draw begin it anew (docs/drivers.md).
 
 layout(location = 0) in vec4 corner;   // centred and scaled; s of the texture coordinates
 layout(location = 1) in vec4 normal;   // of unit length or zero; t of the texture coordinates
@@ -8,6 +9,7 @@ layout(location = 3) in vec3 arriving; // and the edge from the corner before
 out vec4 normalOfCorner;
 out vec3 leavingCorner;
 out vec3 arrivingCorner;
+flat out uint triangleOfCorner; // in its mesh
 
 void main()
 {
@@ -15,4 +17,5 @@ void main()
     normalOfCorner = normal;
     leavingCorner = leaving;
     arrivingCorner = arriving;
+    triangleOfCorner = uint(gl_VertexID / 3);
 }

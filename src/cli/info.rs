@@ -1,29 +1,31 @@
-//! `freeform info`: the driver and its limits.
+//! `freeform info`: the driver, its limits, and whether it draws what it should.
 
-use super::say;
+use super::{check, say};
+use freeform_surface::gpu::Need;
+use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{Backend, Headless, Result};
 
 /// Prints the driver that the backend gives.
 pub(super) fn print(backend: Backend) -> Result<()> {
     let context = Headless::new(backend)?;
     let info = context.info();
-    for (name, value) in [
-        ("backend", context.backend().to_string()),
-        ("renderer", info.renderer.clone()),
-        ("vendor", info.vendor.clone()),
-        ("version", info.version.clone()),
-        ("GLSL version", info.glsl_version.clone()),
-        ("patch vertices", format!("{} (25 needed)", info.max_patch_vertices)),
-        ("tessellation level", format!("{} (64 needed)", info.max_tess_level)),
-        (
-            "storage blocks in the fragment stage",
-            format!("{} (2 needed)", info.max_fragment_storage_blocks),
-        ),
-        ("largest picture", format!("{0} × {0} pixels", info.max_size)),
-        ("largest texture", format!("{0} × {0} texels", info.max_texture_size)),
-        ("samples a pixel", info.max_samples.to_string()),
-    ] {
-        say(format_args!("{name:36} {value}"))?;
+    let line = |name: &str, value: &str| say(format_args!("{name:36} {value}"));
+    line("backend", &context.backend().to_string())?;
+    line("renderer", &info.renderer)?;
+    line("vendor", &info.vendor)?;
+    line("version", &info.version)?;
+    line("GLSL version", &info.glsl_version)?;
+    for Need { what, limit, needed } in info.needs() {
+        line(what, &format!("{limit} ({needed} needed)"))?;
     }
-    Ok(())
+    line("largest picture", &format!("{0} × {0} pixels", info.max_size))?;
+    line("largest texture", &format!("{0} × {0} texels", info.max_texture_size))?;
+    line("samples a pixel", &info.max_samples.to_string())
+}
+
+/// Draws what is known beforehand, and prints in one line whether the driver is right.
+pub(super) fn print_check(backend: Backend) -> Result<()> {
+    let context = Headless::new(backend)?;
+    let checked = check::run(&context, Sources::default())?;
+    say(format_args!("right on {}: {checked}", context.info()))
 }

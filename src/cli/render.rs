@@ -129,8 +129,7 @@ impl Job {
 
     /// Renderer and version of the driver.
     pub(super) fn driver(&self) -> String {
-        let info = self.context.info();
-        format!("{}, OpenGL {}", info.renderer, info.version)
+        self.context.info().to_string()
     }
 
     /// Draws a scene and writes its picture.

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use bytemuck::Pod;
 use glow::HasContext;
 
-use super::{create, size_i32};
-use crate::Result;
+use super::{check_memory, create, size_i32};
+use crate::{Error, Result};
 
 /// A buffer of plain values in the driver's memory.
 pub struct Buffer {
@@ -25,17 +25,37 @@ impl Buffer {
     /// A buffer that holds `values`, which must not be empty.
     ///
     /// # Errors
-    /// The driver has no buffer, or 2 GiB and more are asked for.
+    /// No memory for it, or 2 GiB and more are asked for.
     pub fn new<T: Pod>(gl: &Arc<glow::Context>, label: &str, values: &[T]) -> Result<Self> {
         let data: &[u8] = bytemuck::cast_slice(values);
         size_i32(label, data.len())?;
         // SAFETY: the context is current (see the module); the buffer is new and ours.
         unsafe {
             let raw = create(label, gl.create_named_buffer())?;
+            // Freed by `drop` from here on.
+            let buffer = Self { gl: Arc::clone(gl), raw, bytes: data.len() };
             gl.named_buffer_data_u8_slice(raw, data, glow::DYNAMIC_DRAW);
+            check_memory(gl, label, data.len() as u64)?;
             gl.object_label(glow::BUFFER, raw.0.get(), Some(label));
-            Ok(Self { gl: Arc::clone(gl), raw, bytes: data.len() })
+            Ok(buffer)
         }
+    }
+
+    /// A buffer for [`Buffer::bind_storage`]; `values` must not be empty.
+    ///
+    /// # Errors
+    /// As [`Buffer::new`]; more than the driver lets a shader see.
+    pub fn for_storage<T: Pod>(gl: &Arc<glow::Context>, label: &str, values: &[T]) -> Result<Self> {
+        // SAFETY: the context is current (see the module).
+        let most = unsafe { gl.get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
+        let bytes = size_of_val(values);
+        if i64::try_from(bytes).map_or(true, |bytes| bytes > most) {
+            return Err(Error::Driver {
+                what: label.to_owned(),
+                reason: format!("{bytes} bytes; its storage buffers hold at most {most}"),
+            });
+        }
+        Self::new(gl, label, values)
     }
 
     /// How many bytes it holds.

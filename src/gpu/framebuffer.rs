@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelPackData};
 
-use super::{DriverInfo, Texture, checked_size, create, transfer_plainly};
+use super::{DriverInfo, Texture, check_memory, checked_size, create, transfer_plainly};
 use crate::{Error, Image, Result};
 
 /// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
@@ -258,11 +258,16 @@ impl Renderbuffer {
         // SAFETY: the context is current (see the module); the renderbuffer is new and ours.
         unsafe {
             let raw = create(label, gl.create_renderbuffer())?;
+            // Freed by `drop` from here on.
+            let buffer = Self { gl: Arc::clone(gl), raw, size, samples };
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(raw));
             let kind = glow::RENDERBUFFER;
             gl.renderbuffer_storage_multisample(kind, several, format, width, height);
+            let pixel = if format == glow::RGBA32F { 16 } else { 4 };
+            let bytes = pixel * u64::from(samples) * width as u64 * height as u64;
+            check_memory(gl, label, bytes)?;
             gl.object_label(glow::RENDERBUFFER, raw.0.get(), Some(label));
-            Ok(Self { gl: Arc::clone(gl), raw, size, samples })
+            Ok(buffer)
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glow::{HasContext, PixelUnpackData};
 
-use super::{checked_size, create, size_i32, transfer_plainly};
+use super::{check_memory, checked_size, create, size_i32, transfer_plainly};
 use crate::{Image, Result};
 
 /// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
@@ -29,7 +29,7 @@ impl Texture {
     /// Uploads a picture; its first row becomes v = 1.
     ///
     /// # Errors
-    /// A picture without pixels or larger than the driver's textures.
+    /// A picture without pixels or larger than the driver's textures, no memory for it.
     pub fn new(gl: &Arc<glow::Context>, label: &str, image: &Image) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
@@ -42,6 +42,7 @@ impl Texture {
             gl.texture_storage_2d(raw, levels as i32, glow::RGBA8, width, height);
             Self { gl: Arc::clone(gl), raw }
         };
+        check_memory(gl, label, image.len() as u64)?;
         // The smaller levels are made here: drivers are free in how they make them, and Mesa's
         // software driver compiles a shader for each, which takes a hundred times as long.
         let mut image = Cow::Borrowed(image);

@@ -260,7 +260,6 @@ impl Renderer {
         self.set_state(3, frame.settings.wireframe);
         self.corners_array.bind(&mesh.corners);
         for draw in &mesh.draws {
-            program.set_i32(location::FIRST_TRIANGLE, draw.first as i32);
             let feedback = match kept {
                 Some(_) => Some(
                     Feedback::begin(&self.gl, draw.triangles).inspect_err(|_| self.release())?,

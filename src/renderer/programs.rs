@@ -75,8 +75,8 @@ pub mod location {
     pub const NORMAL_TO_VIEW: u32 = 29;
     /// `alpha`.
     pub const ALPHA: u32 = 30;
-    /// `firstTriangle`.
-    pub const FIRST_TRIANGLE: u32 = 31;
+    /// `firstPoint`.
+    pub const FIRST_POINT: u32 = 31;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.

@@ -186,7 +186,7 @@ fn uploaded<T: bytemuck::Pod>(
     if values.is_empty() {
         return Ok(None);
     }
-    Buffer::new(gl, label, values).map(Some)
+    Buffer::for_storage(gl, label, values).map(Some)
 }
 
 /// What the uniforms have no room for, of the kinds that are switched on: circles, then intervals,
