@@ -281,7 +281,7 @@ mod tests {
     fn error(file: &str, old: &str, new: &str) -> String {
         let context = Headless::new(Backend::Auto).unwrap();
         let sources = Sources::default().with_edit(file, old, new);
-        run(&context, sources).unwrap_err().to_string()
+        run(&context, sources).expect_err(new).to_string()
     }
 
     #[test]
@@ -303,7 +303,7 @@ mod tests {
             (
                 "thesis/surface.vert",
                 "gl_VertexID - firstPoint",
-                "(gl_VertexID - firstPoint) % 640",
+                "(gl_VertexID - firstPoint) % 48",
                 "thesis",
             ),
             ("triangles/triangle.vert", "gl_VertexID / 3", "gl_VertexID / 3 % 64", "meshes"),
