@@ -151,6 +151,16 @@ fn info_names_backend_driver_and_limits() {
     }
 }
 
+#[test]
+fn info_says_in_one_line_whether_the_driver_is_right() {
+    let folder = Folder::new();
+    let output = folder.run(&["info", "--check"]);
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{said}");
+    assert!(said.starts_with("right on ") && said.contains("trimmed pixels"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
 /// Runs a render that must fail with one line, and looks that an older picture is still there.
 fn refused(folder: &Folder, arguments: &[&str], status: i32, words: &[&str]) {
     let old = folder.write("old.png", b"an older picture");
