@@ -78,7 +78,7 @@ fn steps() {
     for side in SIDES {
         let mesh = torus(side);
         let triangles = mesh.triangles().len();
-        let neighbours = HalfedgeMesh::new(mesh.clone()).expect("a torus");
+        let neighbours = HalfedgeMesh::new(mesh.clone());
         let is_first = |halfedge| neighbours.halfedge(neighbours.edge(halfedge)) == halfedge;
         let marks: Vec<[bool; 3]> =
             (0..triangles as u32).map(|t| [0, 1, 2].map(|k| is_first(3 * t + k))).collect();
@@ -134,7 +134,7 @@ fn memory() {
 
 /// A scene of one mesh.
 fn scene_of(mesh: &Mesh, smoothing: Smoothing, tessellation: Tessellation) -> Scene {
-    let model = MeshModel::new(mesh.clone(), smoothing).expect("a torus");
+    let model = MeshModel::new(mesh.clone(), smoothing);
     let settings = RenderSettings { tessellation, ..RenderSettings::default() };
     let (surfaces, meshes, files) = (Vec::new(), vec![model], Vec::new());
     Scene { files, camera: None, up: DVec3::Y, settings, surfaces, meshes }

@@ -3,6 +3,7 @@
 mod check;
 mod exr;
 mod info;
+mod input;
 mod measure;
 mod output;
 mod render;
@@ -20,6 +21,7 @@ use freeform_surface::{
 
 use exr::AovFile;
 use indicatif::ProgressBar;
+pub(crate) use input::LoadArguments;
 pub(crate) use output::Output;
 #[cfg(feature = "viewer")]
 pub(crate) use output::replace;
@@ -57,9 +59,13 @@ enum Command {
 
 #[derive(Debug, Args)]
 struct RenderArguments {
-    /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for a triangle mesh.
+    /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for a triangle mesh; "-" reads the text
+    /// of a .toml or .bpt scene from standard input.
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
+
+    #[command(flatten)]
+    load: LoadArguments,
 
     /// The picture's file; a folder if there are several scenes; "-" for standard output.
     /// Otherwise each picture has the name of its scene and goes to the current folder.
@@ -100,8 +106,8 @@ struct RenderArguments {
     #[arg(long, value_name = "BACKEND", default_value_t)]
     backend: Backend,
 
-    /// Print how long each part took. The frame is drawn twice to tell the driver's compilation
-    /// from the drawing.
+    /// Print how long each part took, and what of a mesh is left out or is a border though triangles
+    /// meet there. The frame is drawn twice to tell the driver's compilation from the drawing.
     #[arg(short, long)]
     verbose: bool,
 }
@@ -130,9 +136,12 @@ struct LookArguments {
 
 #[derive(Debug, Args)]
 struct MeasureArguments {
-    /// Scene files: .toml, or .bpt for bare Bézier patches.
+    /// Scene files: .toml, or .bpt for bare Bézier patches; "-" reads one from standard input.
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
+
+    #[command(flatten)]
+    load: LoadArguments,
 
     /// Pixels of the picture.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
@@ -242,7 +251,7 @@ struct SmoothArguments {
     steps: u32,
 
     /// Where normals are missing: the angle between triangles, 0 to 180, beyond which their edge
-    /// stays a crease; otherwise 180, which leaves none.
+    /// stays a crease; otherwise 30.
     #[arg(long, value_name = "D", value_parser = crease_angle, allow_negative_numbers = true)]
     crease_degrees: Option<CreaseAngle>,
 
@@ -344,6 +353,11 @@ pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
 }
 
 impl Arguments {
+    /// Whether what is usually of no concern is to be told.
+    pub(crate) fn verbose(&self) -> bool {
+        matches!(&self.command, Some(Command::Render(arguments)) if arguments.verbose)
+    }
+
     /// Reads the command line. Wrong usage is one line on standard error and status 2.
     pub(crate) fn read() -> Self {
         Self::try_parse().unwrap_or_else(|error| {
@@ -370,6 +384,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
     match &arguments.command {
         None => default_scene().map_err(|error| vec![error]),
         Some(Command::Render(arguments)) => {
+            input::check(&arguments.scenes).map_err(|error| vec![error])?;
             let outputs = Output::plan(&arguments.scenes, arguments.output.as_deref())
                 .map_err(|error| vec![error])?;
             render::all(arguments, &outputs)

@@ -91,12 +91,13 @@ pub use error::{Error, Result};
 pub use headless::{Backend, Headless};
 pub use mesh::{
     Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
-    SmoothTriangle, Smoothing, smooth,
+    SharedBorders, SmoothTriangle, Smoothing, smooth,
 };
 pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
-    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene, SceneText,
-    Shading, Surface, TessLevel, Tessellation, Tolerance, default_control_points, load_texture,
+    Cull, Image, LoadOptions, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene,
+    SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis,
+    default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;
 pub use tessellation::FrameFigures;

@@ -1,7 +1,6 @@
 //! Triangle meshes, and smooth surfaces over them: curved PN triangles and Phong tessellation.
 //!
-//! A [`Mesh`] is plain data in `f64`. [`HalfedgeMesh`] adds who is next to whom, refuses edges that
-//! no surface has, and cuts every triangle into nine whose new points lie on [`PnTriangle`]s or
+//! A [`Mesh`] is plain data in `f64`. [`HalfedgeMesh`] adds who is next to whom, and cuts every triangle into nine whose new points lie on [`PnTriangle`]s or
 //! [`PhongTriangle`]s. Positions alone say what is connected; normals and texture coordinates may
 //! differ from corner to corner, which makes creases and seams.
 
@@ -17,7 +16,7 @@ use glam::{DVec2, DVec3};
 use crate::bezier::check_coordinates;
 use crate::{Error, Result};
 
-pub use half_edge::{HalfedgeMesh, SmoothTriangle};
+pub use half_edge::{HalfedgeMesh, SharedBorders, SmoothTriangle};
 pub use phong::PhongTriangle;
 pub use pn::PnTriangle;
 pub use step::{CurvedTriangle, smooth};
@@ -69,12 +68,15 @@ impl Default for Alpha {
     }
 }
 
-/// The angle between two triangles, in degrees from 0 to 180, beyond which their common edge is a
-/// crease and computed normals differ on its sides.
+/// The angle between the normals of two triangles, in degrees from 0 to 180, beyond which their common edge is
+/// a crease and computed normals differ on its sides.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CreaseAngle(f64);
 
 impl CreaseAngle {
+    /// 180 degrees: no crease anywhere.
+    pub const NONE: Self = Self(180.0);
+
     /// An angle in degrees.
     ///
     /// # Errors
@@ -95,9 +97,9 @@ impl CreaseAngle {
 }
 
 impl Default for CreaseAngle {
-    /// 180 degrees: no crease anywhere.
+    /// 30 degrees: a cube keeps its edges, and what is round stays so.
     fn default() -> Self {
-        Self(180.0)
+        Self(30.0)
     }
 }
 
@@ -132,14 +134,13 @@ impl Mesh {
 
     /// A mesh. Normals are made unit vectors. A normal of zero stays: edges are straight there.
     /// Corners without a normal get the sum of their neighbours' face normals at that position,
-    /// weighted by angle, up to creases; corners without texture coordinates get (0, 0) if others
+    /// weighted by angle, up to creases and borders; corners without texture coordinates get (0, 0) if others
     /// have some.
     ///
     /// # Errors
     /// No triangle or more than [`Mesh::MAX_TRIANGLES`], an index out of range, a triangle with
-    /// twice the same position, a number that is not finite, a position beyond 1e15. For a crease
-    /// angle below 180 also what [`HalfedgeMesh::new`] refuses, if a normal is missing. Indices in
-    /// errors begin at 0.
+    /// twice the same position, a number that is not finite, a position beyond 1e15. Indices in errors begin
+    /// at 0.
     pub fn new(
         positions: Vec<DVec3>,
         normals: Vec<DVec3>,
@@ -174,7 +175,7 @@ impl Mesh {
                 return Err(Error::invalid(name, coordinate, "finite numbers"));
             }
         }
-        normals::complete(&mut mesh, crease)?;
+        normals::complete(&mut mesh, crease);
         mesh.complete_coordinates();
         Ok(mesh)
     }
@@ -276,7 +277,7 @@ mod tests {
         for degrees in [-1.0, 180.1, f64::NAN] {
             assert!(CreaseAngle::new(degrees).unwrap_err().to_string().contains("0 to 180"));
         }
-        assert_eq!((Alpha::default().get(), CreaseAngle::default().degrees()), (0.75, 180.0));
+        assert_eq!((Alpha::default().get(), CreaseAngle::default().degrees()), (0.75, 30.0));
     }
 
     #[test]

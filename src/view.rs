@@ -38,7 +38,7 @@ use std::path::PathBuf;
 use clap::Args;
 use freeform_surface::Result;
 
-use crate::cli::say;
+use crate::cli::{LoadArguments, say};
 
 /// What `freeform view` takes.
 #[derive(Debug, Args)]
@@ -47,7 +47,10 @@ pub(crate) struct ViewArguments {
     #[arg(value_name = "SCENE")]
     scene: Option<PathBuf>,
 
-    /// Show the scene anew whenever its file changes, from where it is seen.
+    #[command(flatten)]
+    load: LoadArguments,
+
+    /// Show the scene anew whenever its file or one that it names changes, from where it is seen.
     #[arg(long)]
     watch: bool,
 

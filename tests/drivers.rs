@@ -134,7 +134,7 @@ fn triangles_keep_their_numbers_however_draws_are_divided() {
     for smoothing in [Smoothing::None, Smoothing::Pn, Smoothing::Phong(Default::default())] {
         for level in [1, 5, 20] {
             let mut scene = floor(level);
-            scene.meshes.push(MeshModel::new(mesh.clone(), smoothing).unwrap());
+            scene.meshes.push(MeshModel::new(mesh.clone(), smoothing));
             for backend in backends() {
                 let number = |place: DVec2| {
                     // Pixels on the diagonal itself: either side may have them.

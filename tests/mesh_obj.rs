@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use proptest::prelude::*;
 
 fn read(text: &str) -> Result<Mesh> {
-    Mesh::read_obj(text.as_bytes(), Path::new("x.obj"), CreaseAngle::default())
+    Mesh::read_obj(text.as_bytes(), Path::new("x.obj"), CreaseAngle::NONE)
 }
 
 fn positions(mesh: &Mesh) -> Vec<[u32; 3]> {
@@ -95,7 +95,7 @@ fn bad_files_are_refused_with_their_line() {
         assert!(words.iter().all(|word| error.contains(word)), "{text}: {error}");
         assert_eq!(error.lines().count(), 1);
     }
-    let load = |path: &str| Mesh::load_obj(Path::new(path), CreaseAngle::default()).unwrap_err();
+    let load = |path: &str| Mesh::load_obj(Path::new(path), CreaseAngle::NONE).unwrap_err();
     assert!(load("no/such.obj").to_string().contains("cannot read no/such.obj"));
     assert!(load("/").to_string().contains("a folder"));
 }
@@ -112,8 +112,7 @@ fn a_line_of_a_gibibyte_is_refused_without_being_read() {
     }
     let line = std::io::repeat(b'1').take(1 << 30);
     let mut source = Counted("\n\nv ".as_bytes().chain(line), 0);
-    let error =
-        Mesh::read_obj(BufReader::new(&mut source), Path::new("x.obj"), CreaseAngle::default());
+    let error = Mesh::read_obj(BufReader::new(&mut source), Path::new("x.obj"), CreaseAngle::NONE);
     let error = error.unwrap_err().to_string();
     assert_eq!(error, "x.obj:3: the line is longer than 1048576 bytes");
     assert!(source.1 < 2 << 20, "{} bytes were read", source.1);
@@ -123,7 +122,7 @@ fn a_line_of_a_gibibyte_is_refused_without_being_read() {
 fn what_is_written_reads_back_as_the_same_numbers() {
     for name in ["figure", "torus", "hard/opposite-normals", "hard/offset-1e6", "hard/boundary"] {
         let path = format!("{}/resources/meshes/{name}.obj", env!("CARGO_MANIFEST_DIR"));
-        let mesh = Mesh::load_obj(Path::new(&path), CreaseAngle::default()).unwrap();
+        let mesh = Mesh::load_obj(Path::new(&path), CreaseAngle::NONE).unwrap();
         for smoothing in [Smoothing::None, Smoothing::Pn] {
             let mesh = smooth(mesh.clone(), smoothing, 1).unwrap();
             let mut text = Vec::new();
@@ -133,7 +132,7 @@ fn what_is_written_reads_back_as_the_same_numbers() {
         }
     }
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/meshes/torus.obj");
-    let torus = Mesh::load_obj(&path, CreaseAngle::default()).unwrap();
+    let torus = Mesh::load_obj(&path, CreaseAngle::NONE).unwrap();
     let place = torus.triangles()[0][1].coordinate as usize;
     assert_eq!(torus.coordinates()[place], dvec2(0.0, 0.125));
 }
@@ -146,7 +145,6 @@ fn answers(bytes: &[u8]) {
             Ok(mesh) => {
                 assert!(!mesh.triangles().is_empty());
                 for smoothing in [Smoothing::Pn, Smoothing::None] {
-                    // Edges of three triangles are refused here.
                     if let Ok(fine) = smooth(mesh.clone(), smoothing, 1) {
                         assert!(fine.positions().iter().all(|point| point.is_finite()));
                     }

@@ -122,8 +122,8 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         scene.surfaces.push(surface);
     }
     // And a mesh, whose triangles have levels of their own.
-    let torus = Mesh::load_obj(&root().join("resources/meshes/torus.obj"), CreaseAngle::default());
-    scene.meshes.push(MeshModel::new(torus.unwrap(), Smoothing::Pn).unwrap());
+    let torus = Mesh::load_obj(&root().join("resources/meshes/torus.obj"), CreaseAngle::NONE);
+    scene.meshes.push(MeshModel::new(torus.unwrap(), Smoothing::Pn));
     let target = Framebuffer::new(&gl, 64, 64).unwrap();
     let mut renderer = Renderer::new(&gl).unwrap();
     let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();

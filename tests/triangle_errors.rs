@@ -40,7 +40,7 @@ fn tube() -> Mesh {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("tube.obj");
     std::fs::write(&path, text).unwrap();
-    Mesh::load_obj(&path, CreaseAngle::default()).unwrap()
+    Mesh::load_obj(&path, CreaseAngle::NONE).unwrap()
 }
 
 #[test]
@@ -168,7 +168,7 @@ fn a_gap_is_noticed() {
     positions.push(positions[triangles[0][0].position as usize] * 0.97);
     triangles[0][0].position = positions.len() as u32 - 1;
     let normals = ball.normals().to_vec();
-    let crease = CreaseAngle::default();
+    let crease = CreaseAngle::NONE;
     let gap = Mesh::new(positions, normals, Vec::new(), triangles, crease).unwrap();
     let check = || check_no_background_inside("a gap", &gap, 60, true);
     assert!(std::panic::catch_unwind(check).is_err());

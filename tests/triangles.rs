@@ -198,7 +198,7 @@ fn texture_coordinates_are_interpolated_linearly() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("square.obj");
     std::fs::write(&path, text).unwrap();
-    let square = Mesh::load_obj(&path, CreaseAngle::default()).unwrap();
+    let square = Mesh::load_obj(&path, CreaseAngle::NONE).unwrap();
     let texture = Image::from_fn(SIDE, SIDE, |x, y| {
         image::Rgba([(4 * x + 2) as u8, (4 * y + 2) as u8, 0, 255])
     });

@@ -219,7 +219,7 @@ fn sphere() -> Result<Scene> {
     }
     let normals = positions.clone();
     let mesh = Mesh::new(positions, normals, Vec::new(), triangles, CreaseAngle::default())?;
-    let mut model = MeshModel::new(mesh, Smoothing::Pn)?;
+    let mut model = MeshModel::new(mesh, Smoothing::Pn);
     model.level = Some(TessLevel::new(4)?);
     let camera =
         Camera::new(3.0 * DVec3::Z, DVec3::ZERO, DVec3::Y, Lens::Orthographic { height: 2.2 })?;

@@ -12,7 +12,7 @@ use glam::UVec2;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::{Format, MeasureArguments, say};
+use super::{Format, MeasureArguments, input, say};
 
 /// Frames whose median time is told.
 const FRAMES: usize = 3;
@@ -22,6 +22,7 @@ const FRAMES: usize = 3;
 /// # Errors
 /// One for each scene that failed; the others are measured all the same.
 pub(super) fn all(arguments: &MeasureArguments) -> Result<(), Vec<Error>> {
+    input::check(&arguments.scenes).map_err(|error| vec![error])?;
     let mut bench = Bench::new(arguments).map_err(|error| vec![error])?;
     let bar = if arguments.views > 1 {
         ProgressBar::new(arguments.views.saturating_mul(arguments.scenes.len() as u64))
@@ -69,7 +70,7 @@ impl<'a> Bench<'a> {
 
     /// Measures a scene from its own camera, or from cameras by chance.
     fn measure(&mut self, path: &Path, bar: &ProgressBar) -> Result<Report> {
-        let mut scene = Scene::load(path)?;
+        let mut scene = self.arguments.load.load(path)?;
         self.arguments.look.apply(&mut scene, path)?;
         // What is compared with are Bézier surfaces, so those are drawn alone.
         scene.meshes.clear();

@@ -2,6 +2,7 @@
 //! left half written and a failure leaves an older file as it was.
 
 use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::fmt;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -10,6 +11,8 @@ use std::path::{Path, PathBuf};
 use freeform_surface::{Error, Image, Result};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
+
+use super::input::is_standard;
 
 /// The place of one picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,7 +67,10 @@ impl Output {
         let outputs: Vec<Self> = scenes
             .iter()
             .map(|scene| {
-                let stem = scene.file_stem().unwrap_or(scene.as_os_str());
+                let stem = match scene.file_stem() {
+                    _ if is_standard(scene) => OsStr::new("freeform"),
+                    stem => stem.unwrap_or(scene.as_os_str()),
+                };
                 let mut name = stem.to_owned();
                 name.push(".png");
                 let path = folder.join(name);
@@ -199,6 +205,7 @@ mod tests {
         assert_eq!(plan(&["a/x.toml", "y.bpt"], None).unwrap(), [file("x.png"), file("y.png")]);
         assert_eq!(plan(&["a/x.toml"], Some("z.PNG")).unwrap(), [file("z.PNG")]);
         assert_eq!(plan(&["a/x.toml"], Some("-")).unwrap(), [Output::Standard]);
+        assert_eq!(plan(&["-"], None).unwrap(), [file("freeform.png")]);
         let folder = tempfile::tempdir().unwrap();
         let inside = folder.path().join("new");
         let planned = plan(&["a/x.toml", "b/y.toml"], inside.to_str()).unwrap();

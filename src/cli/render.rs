@@ -68,7 +68,7 @@ impl Loaded {
     /// Reads a scene; what the command line says wins.
     fn read(path: &Path, arguments: &RenderArguments) -> Result<Self> {
         let start = Instant::now();
-        let mut scene = Scene::load(path)?;
+        let mut scene = arguments.load.load(path)?;
         arguments.look.apply(&mut scene, path)?;
         if let Some(smoothing) = arguments.smoothing {
             scene.meshes.iter_mut().for_each(|mesh| mesh.set_smoothing(smoothing));

@@ -9,10 +9,12 @@
 //!               3t + 0
 //! ```
 
+use std::fmt;
+
 use glam::DVec3;
 
 use super::{Corner, Mesh, Smoothing, normals};
-use crate::{Error, Result};
+use crate::Result;
 
 /// No twin: the half-edge is at a border.
 const NONE: u32 = u32::MAX;
@@ -21,6 +23,9 @@ const NONE: u32 = u32::MAX;
 pub(super) const fn next(halfedge: u32) -> u32 {
     if halfedge % 3 == 2 { halfedge - 2 } else { halfedge + 1 }
 }
+
+/// A half-edge of an edge that has not two sides, and whether it runs against the edge's first one.
+type Side = (u32, bool);
 
 /// The half-edges of a list of triangles, by number.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -31,14 +36,15 @@ pub(super) struct Connectivity {
     edges: Vec<u32>,
     /// The first half-edge of each edge, ascending.
     halfedges: Vec<u32>,
+    /// The half-edges of each edge of several triangles that are no pair of twins, the first one first.
+    fans: Vec<Vec<Side>>,
 }
 
 impl Connectivity {
-    /// Pairs the half-edges that have both positions in common.
-    ///
-    /// # Errors
-    /// An edge of more than two triangles, or of two that run through it in the same direction.
-    pub(super) fn new(positions: &[DVec3], triangles: &[[Corner; 3]]) -> Result<Self> {
+    /// Pairs the half-edges that have both positions in common and run in opposite directions. Where more
+    /// than two have, or two run the same way, none of them has a twin: they are borders that have the edge
+    /// in common.
+    pub(super) fn new(position_count: usize, triangles: &[[Corner; 3]]) -> Self {
         let ends = |halfedge: u32| {
             let (triangle, k) = (halfedge as usize / 3, halfedge as usize % 3);
             let corners = &triangles[triangle];
@@ -46,7 +52,7 @@ impl Connectivity {
         };
         let count = 3 * triangles.len() as u32;
         // Half-edges lie in buckets by the lower of their positions.
-        let mut starts = vec![0_u32; positions.len() + 1];
+        let mut starts = vec![0_u32; position_count + 1];
         for halfedge in 0..count {
             let (from, to) = ends(halfedge);
             starts[from.min(to) as usize + 1] += 1;
@@ -63,9 +69,10 @@ impl Connectivity {
             *place += 1;
         }
         let mut twins = vec![NONE; count as usize];
+        let mut fans: Vec<Vec<Side>> = Vec::new();
         let mut start = 0;
         // Each bucket was filled up to its end.
-        for end in &starts[..positions.len()] {
+        for end in &starts[..position_count] {
             let bucket = &mut buckets[start..*end as usize];
             start = *end as usize;
             bucket.sort_unstable();
@@ -77,11 +84,14 @@ impl Connectivity {
                         twins[first as usize] = second as u32;
                         twins[second as u32 as usize] = first;
                     }
-                    _ => return Err(non_manifold(positions, ends(first), edge.len())),
+                    _ => {
+                        let side = |halfedge| (halfedge, ends(halfedge).0 != ends(first).0);
+                        fans.push(edge.iter().map(|number| side(*number as u32)).collect());
+                    }
                 }
             }
         }
-        Ok(Self::of_twins(twins))
+        Self::of_twins(twins, fans)
     }
 
     /// The half-edges after a step, whose triangles have fixed places among the nine of each old one.
@@ -119,7 +129,15 @@ impl Connectivity {
                 of(triangle, k, 1, 0),
             ]);
         }
-        Self::of_twins(twins)
+        let thirds = self.fans.iter().flat_map(|fan| {
+            (0..3).map(|part| {
+                let of_side = |(halfedge, against): &Side| {
+                    (third(*halfedge, if *against { 2 - part } else { part }), *against)
+                };
+                fan.iter().map(of_side).collect()
+            })
+        });
+        Self::of_twins(twins, thirds.collect())
     }
 
     /// Half-edges with their twins, each pair once.
@@ -132,30 +150,70 @@ impl Connectivity {
     }
 
     /// Numbers the edges in the order of their first half-edges.
-    fn of_twins(twins: Vec<u32>) -> Self {
-        let mut edges = vec![0; twins.len()];
+    fn of_twins(twins: Vec<u32>, mut fans: Vec<Vec<Side>>) -> Self {
+        let mut edges = vec![NONE; twins.len()];
         let mut halfedges = Vec::with_capacity(twins.len() / 2 + 1);
-        for (halfedge, twin) in twins.iter().enumerate() {
-            edges[halfedge] = if *twin < halfedge as u32 {
-                edges[*twin as usize]
+        // The first half-edge of a fan comes before the others; until then its number stands in their place.
+        for fan in &mut fans {
+            // After a step its first one is first again, but for borders that run the other way.
+            let (first, against) = fan.iter().copied().min().unwrap_or((NONE, false));
+            fan.sort_unstable();
+            for (halfedge, side) in fan {
+                *side ^= against;
+                edges[*halfedge as usize] = first;
+            }
+        }
+        for (halfedge, twin) in (0..).zip(&twins) {
+            let first = match edges[halfedge as usize] {
+                NONE if *twin < halfedge => *twin,
+                NONE => halfedge,
+                first => first,
+            };
+            edges[halfedge as usize] = if first < halfedge {
+                edges[first as usize]
             } else {
-                halfedges.push(halfedge as u32);
+                halfedges.push(halfedge);
                 halfedges.len() as u32 - 1
             };
         }
-        Self { twins, edges, halfedges }
+        fans.sort_unstable();
+        Self { twins, edges, halfedges, fans }
+    }
+
+    /// The half-edges of the edge of a half-edge that is part of a fan.
+    fn fan(&self, halfedge: u32) -> Option<&[Side]> {
+        if self.fans.is_empty() {
+            return None;
+        }
+        let first = self.halfedges[self.edges[halfedge as usize] as usize];
+        let number = self.fans.binary_search_by_key(&first, |fan| fan[0].0).ok()?;
+        Some(&self.fans[number])
     }
 }
 
-fn non_manifold(positions: &[DVec3], (from, to): (u32, u32), triangles: usize) -> Error {
-    let vertex = |index: u32| format!("{} {}", index + 1, positions[index as usize]);
-    let which = if triangles == 2 { "2 triangles that run the same way" } else { "triangles" };
-    let count = if triangles == 2 { String::new() } else { format!("{triangles} ") };
-    Error::invalid(
-        format!("the edge between vertices {} and {}", vertex(from), vertex(to)),
-        format!("part of {count}{which}"),
-        "an edge of one triangle, or of two that run through it in opposite directions",
-    )
+/// Edges of several triangles that are no neighbours there: borders for drawing and smoothing, which have the
+/// edge in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SharedBorders {
+    /// Edges of more than two triangles.
+    pub crowded: usize,
+    /// Edges of two triangles that run through them in the same direction.
+    pub same_way: usize,
+}
+
+/// As in "12 edges of more than two triangles and 2 that both triangles run through in the same direction".
+impl fmt::Display for SharedBorders {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let edges =
+            |count: usize| if count == 1 { "1 edge".into() } else { format!("{count} edges") };
+        let crowded = format!("{} of more than two triangles", edges(self.crowded));
+        let same_way = "that both triangles run through in the same direction";
+        match (self.crowded, self.same_way) {
+            (_, 0) => f.write_str(&crowded),
+            (0, count) => write!(f, "{} {same_way}", edges(count)),
+            (_, count) => write!(f, "{crowded} and {} {same_way}", edges(count)),
+        }
+    }
 }
 
 /// What the smooth surface over a triangle is made of.
@@ -172,8 +230,9 @@ pub struct SmoothTriangle {
 
 /// A mesh whose triangles know their neighbours.
 ///
-/// It may have borders and several components, and triangles that touch in a vertex alone. Normals
-/// and texture coordinates are of no concern to what is connected.
+/// It may have borders and several components, triangles that touch in a vertex alone, and edges that are no
+/// surface's, of three triangles or more. Normals and texture coordinates are of no concern to what is
+/// connected.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HalfedgeMesh {
     mesh: Mesh,
@@ -181,14 +240,20 @@ pub struct HalfedgeMesh {
 }
 
 impl HalfedgeMesh {
-    /// Finds the neighbours.
-    ///
-    /// # Errors
-    /// An edge of more than two triangles, or of two that run through it in the same direction.
-    /// Names its vertices, counted from 1 as in files, and where they are.
-    pub fn new(mesh: Mesh) -> Result<Self> {
-        let connectivity = Connectivity::new(mesh.positions(), mesh.triangles())?;
-        Ok(Self { mesh, connectivity })
+    /// Finds the neighbours: two triangles that run through an edge in opposite directions. Other edges are
+    /// borders; those that several triangles have in common nevertheless stay one edge
+    /// ([`HalfedgeMesh::shared_borders`]).
+    #[must_use]
+    pub fn new(mesh: Mesh) -> Self {
+        let connectivity = Connectivity::new(mesh.positions().len(), mesh.triangles());
+        Self { mesh, connectivity }
+    }
+
+    /// How many edges several triangles have in common without being neighbours there.
+    #[must_use]
+    pub fn shared_borders(&self) -> SharedBorders {
+        let same_way = self.connectivity.fans.iter().filter(|fan| fan.len() == 2).count();
+        SharedBorders { crowded: self.connectivity.fans.len() - same_way, same_way }
     }
 
     /// The mesh.
@@ -271,7 +336,8 @@ impl HalfedgeMesh {
     ///
     /// Where both sides have the same normal it is that one; at a crease the sum of the two, made
     /// unit, or zero (which makes the edge straight there) if they are opposite. So both sides have
-    /// the same, bit for bit.
+    /// the same, bit for bit. Triangles that have a border in common have the same too: their one normal,
+    /// or else zero.
     #[must_use]
     pub fn edge_normals(&self) -> Vec<[[DVec3; 2]; 3]> {
         (0..self.halfedges() / 3).map(|triangle| self.triangle(triangle).edge_normals).collect()
@@ -290,12 +356,25 @@ impl HalfedgeMesh {
 
     /// The normals that shape an edge, at the beginning and the end of a half-edge of it.
     fn normals_along(&self, halfedge: u32) -> [DVec3; 2] {
+        let normals = self.mesh.normals();
+        let normal = |halfedge: u32| normals[self.corner(halfedge).normal as usize];
         let ends = [halfedge, self.next(halfedge)];
+        if let Some(fan) = self.connectivity.fan(halfedge) {
+            let at = |end: usize| {
+                let against = fan.iter().any(|side| *side == (halfedge, true));
+                let mut of_sides = fan.iter().map(|(halfedge, other)| {
+                    let end = if *other == against { end } else { 1 - end };
+                    normal([*halfedge, self.next(*halfedge)][end])
+                });
+                let first = of_sides.next().unwrap_or(DVec3::ZERO);
+                if of_sides.all(|normal| normal == first) { first } else { DVec3::ZERO }
+            };
+            return [at(0), at(1)];
+        }
         let of_twin = self.twin(halfedge).map_or(ends, |twin| [self.next(twin), twin]);
         [0, 1].map(|end| {
             let [own, other] =
                 [ends[end], of_twin[end]].map(|end| self.corner(end).normal as usize);
-            let normals = self.mesh.normals();
             if own == other { normals[own] } else { normals::between(normals[own], normals[other]) }
         })
     }

@@ -6,7 +6,6 @@ use glam::{DVec3, DVec4};
 
 use super::half_edge::{Connectivity, next};
 use super::{Corner, CreaseAngle, Mesh, sum};
-use crate::Result;
 
 /// A sum of unit vectors that is shorter than this has no direction: what is left of it may be
 /// rounding alone.
@@ -82,44 +81,56 @@ pub(super) fn shading(normals: [DVec3; 3], positions: [DVec3; 3], weights: [f64;
 }
 
 /// Computes the normals of corners that have none: the mean of the faces around the position,
-/// weighted by their angles there (Thürmer, Wüthrich 1998), as far as no crease is between.
-pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) -> Result<()> {
+/// weighted by their angles there (Thürmer, Wüthrich 1998), as far as no crease and no border is between.
+pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) {
     if mesh.triangles.iter().flatten().all(|corner| corner.normal != Corner::NONE) {
-        return Ok(());
+        return;
     }
     let faces: Vec<DVec3> =
         mesh.triangles.iter().map(|corners| of_face(positions_of(mesh, corners))).collect();
-    let (groups, count) = if crease == CreaseAngle::default() {
-        let positions = mesh.triangles.iter().flatten().map(|corner| corner.position);
-        (positions.collect(), mesh.positions.len())
-    } else {
-        groups(mesh, &faces, crease)?
-    };
-    // Summed in the order of their values, so that the order of the triangles does not matter.
-    let mut shares: Vec<(u32, DVec4)> = Vec::with_capacity(groups.len());
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        for (k, angle) in angles(positions_of(mesh, corners)).into_iter().enumerate() {
-            shares.push((groups[3 * triangle + k], (faces[triangle] * angle).extend(angle)));
-        }
+    let (groups, count) = groups(mesh, &faces, crease);
+    // The corners of each group, one group after the other.
+    let mut ends = vec![0_u32; count + 1];
+    for group in &groups {
+        ends[*group as usize + 1] += 1;
     }
-    shares.sort_unstable_by(|(group, a), (other, b)| {
-        let values = || a.to_array().into_iter().zip(b.to_array());
-        let order = values().map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne());
-        group.cmp(other).then(order.unwrap_or(Ordering::Equal))
-    });
+    for i in 1..ends.len() {
+        ends[i] += ends[i - 1];
+    }
+    let mut corners = vec![0_u32; groups.len()];
+    for (corner, group) in (0..).zip(&groups) {
+        let end = &mut ends[*group as usize];
+        corners[*end as usize] = corner;
+        *end += 1;
+    }
     let first = mesh.normals.len();
-    mesh.normals.resize(first + count, DVec3::ZERO);
-    for group in shares.chunk_by(|a, b| a.0 == b.0) {
-        let sum: DVec4 = group.iter().map(|(_, share)| *share).sum();
-        let normal = direction(sum.truncate() / sum.w).unwrap_or(DVec3::ZERO);
-        mesh.normals[first + group[0].0 as usize] = normal;
+    mesh.normals.reserve_exact(count);
+    let mut shares: Vec<DVec4> = Vec::new();
+    let mut start = 0;
+    for end in &ends[..count] {
+        shares.clear();
+        shares.extend(corners[start..*end as usize].iter().map(|corner| {
+            let (triangle, k) = (*corner as usize / 3, *corner as usize % 3);
+            let angle = angles(positions_of(mesh, &mesh.triangles[triangle]))[k];
+            (faces[triangle] * angle).extend(angle)
+        }));
+        start = *end as usize;
+        // Summed in the order of their values, so that the order of the triangles does not matter.
+        shares.sort_unstable_by(|a, b| {
+            let values = a.to_array().into_iter().zip(b.to_array());
+            values
+                .map(|(a, b)| a.total_cmp(&b))
+                .find(|order| order.is_ne())
+                .unwrap_or(Ordering::Equal)
+        });
+        let sum: DVec4 = shares.iter().sum();
+        mesh.normals.push(direction(sum.truncate() / sum.w).unwrap_or(DVec3::ZERO));
     }
     for (corner, group) in mesh.triangles.iter_mut().flatten().zip(groups) {
         if corner.normal == Corner::NONE {
             corner.normal = first as u32 + group;
         }
     }
-    Ok(())
 }
 
 fn positions_of(mesh: &Mesh, corners: &[Corner; 3]) -> [DVec3; 3] {
@@ -127,9 +138,9 @@ fn positions_of(mesh: &Mesh, corners: &[Corner; 3]) -> [DVec3; 3] {
 }
 
 /// For every corner the number of the corners that it shares a normal with: those it reaches around
-/// its position without a crease. Beside them how many numbers there are.
-fn groups(mesh: &Mesh, faces: &[DVec3], crease: CreaseAngle) -> Result<(Vec<u32>, usize)> {
-    let connectivity = Connectivity::new(&mesh.positions, &mesh.triangles)?;
+/// its position without a crease or a border. Beside them how many numbers there are.
+fn groups(mesh: &Mesh, faces: &[DVec3], crease: CreaseAngle) -> (Vec<u32>, usize) {
+    let connectivity = Connectivity::new(mesh.positions.len(), &mesh.triangles);
     let mut parents: Vec<u32> = (0..3 * faces.len() as u32).collect();
     for (halfedge, twin) in connectivity.pairs() {
         let [a, b] = [halfedge, twin].map(|halfedge| faces[halfedge as usize / 3]);
@@ -150,7 +161,7 @@ fn groups(mesh: &Mesh, faces: &[DVec3], crease: CreaseAngle) -> Result<(Vec<u32>
             numbers[corner] = numbers[root];
         }
     }
-    Ok((numbers, count as usize))
+    (numbers, count as usize)
 }
 
 /// The corner that stands for the group of another.

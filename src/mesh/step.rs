@@ -93,8 +93,11 @@ impl<T: Copy + PartialEq> TessellationList<T> {
             let [a, b] = [a, b].map(|halfedge| of_corner(mesh.corner(halfedge)));
             a == b || self.entries[a as usize] == self.entries[b as usize]
         };
-        if same(halfedge, mesh.next(first)) && same(mesh.next(halfedge), first) {
-            return [index + 1, index];
+        // A border that triangles have in common may run the same way.
+        let against = mesh.vertex(halfedge) != mesh.vertex(first);
+        let ends = if against { [mesh.next(first), first] } else { [first, mesh.next(first)] };
+        if same(halfedge, ends[0]) && same(mesh.next(halfedge), ends[1]) {
+            return if against { [index + 1, index] } else { [index, index + 1] };
         }
         let index = self.starts[2] + self.apart.len() as u32;
         self.apart.extend_from_slice(&entries());
@@ -248,10 +251,10 @@ fn check_size(triangles: usize, steps: u32) -> Result<()> {
 /// So many steps of smoothing, one on the other.
 ///
 /// # Errors
-/// What [`HalfedgeMesh::new`] refuses; more than [`Mesh::MAX_TRIANGLES`].
+/// More than [`Mesh::MAX_TRIANGLES`].
 pub fn smooth(mesh: Mesh, smoothing: Smoothing, steps: u32) -> Result<Mesh> {
     check_size(mesh.triangles.len(), steps)?;
-    let mut coarse = HalfedgeMesh::new(mesh)?;
+    let mut coarse = HalfedgeMesh::new(mesh);
     for _ in 1..steps {
         coarse = coarse.step(smoothing)?;
     }

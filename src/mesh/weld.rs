@@ -5,14 +5,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::Corner;
-use super::half_edge::Connectivity;
 
-/// The triangles with equal positions made one, the first of them, so that seams of a file do not
-/// tear. What thereby has twice the same position is left out: its neighbours meet without it.
-///
-/// Where that would give some edge a third triangle, as where two cubes touch along an edge, no
-/// positions are made one.
-pub(crate) fn weld(positions: &[DVec3], triangles: Vec<[Corner; 3]>) -> Vec<[Corner; 3]> {
+/// Makes equal positions one, the first of them, so that seams of a file do not tear, and leaves out triangles
+/// that thereby have twice the same position: their neighbours meet without them. Returns how many.
+pub(crate) fn weld(positions: &[DVec3], triangles: &mut Vec<[Corner; 3]>) -> usize {
     let mut firsts = HashMap::with_capacity(positions.len());
     let welded: Vec<u32> = (0..)
         .zip(positions)
@@ -22,22 +18,13 @@ pub(crate) fn weld(positions: &[DVec3], triangles: Vec<[Corner; 3]>) -> Vec<[Cor
             *firsts.entry(bits).or_insert(index)
         })
         .collect();
-    drop(firsts);
-    let joined: Vec<[Corner; 3]> = triangles
-        .iter()
-        .map(|corners| {
-            corners.map(|corner| Corner { position: welded[corner.position as usize], ..corner })
-        })
-        .filter(has_three_positions)
-        .collect();
-    if Connectivity::new(positions, &joined).is_ok() {
-        joined
-    } else {
-        triangles.into_iter().filter(has_three_positions).collect()
-    }
-}
-
-fn has_three_positions(corners: &[Corner; 3]) -> bool {
-    let [a, b, c] = corners.map(|corner| corner.position);
-    a != b && b != c && c != a
+    let before = triangles.len();
+    triangles.retain_mut(|corners| {
+        let [a, b, c] = corners.each_mut().map(|corner| {
+            corner.position = welded[corner.position as usize];
+            corner.position
+        });
+        a != b && b != c && c != a
+    });
+    before - triangles.len()
 }

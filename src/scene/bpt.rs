@@ -7,7 +7,8 @@ use std::path::Path;
 
 use glam::DVec4;
 
-use super::{Surface, line_of};
+use super::Surface;
+use super::file::line_of;
 use crate::{Degree, Error, Result};
 
 /// What the two integers before a patch mean.

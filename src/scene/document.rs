@@ -8,20 +8,20 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, DVec3, DVec4, EulerRot};
 use toml::Spanned;
 
+use super::file::{line_of, read_text};
 use super::tables::{
     CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
     ShadingName, SmoothingName, SurfaceTable, TrimTable,
 };
 use super::{
-    Cull, Image, MeshModel, Method, Paint, RenderSettings, Samples, Scene, Surface, TessLevel,
-    Tessellation, Tolerance, bpt, default_control_points, line_of, load_texture, read_text,
-    unreadable,
+    Cull, Image, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene, Surface,
+    TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
 use crate::surface::check_transform;
 use crate::{
-    Alpha, Camera, Circle, CreaseAngle, Degree, Ellipse, Error, Interval, Keep, Mesh, Newton,
+    Alpha, Camera, Circle, CreaseAngle, Degree, Ellipse, Error, Interval, Keep, Newton,
     NewtonTrims, Result, Segment, Smoothing, TrimLoop, Trims,
 };
 
@@ -35,9 +35,11 @@ const MAX_STRING_BYTES: usize = 64;
 ///
 /// Each `[[surface]]` is parsed by itself, so that the memory grows with the largest of them and not
 /// with the file.
-pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
+pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Scene> {
     let files = vec![path.to_owned()];
-    let mut builder = Builder { text, path, chunk: 0, textures: HashMap::new(), files };
+    let crease = options.crease;
+    let mut builder =
+        Builder { text, path, crease, chunk: 0, textures: HashMap::new(), files, from_files: 0 };
     let mut camera = None;
     let mut settings = None;
     let mut surfaces = Vec::new();
@@ -62,14 +64,17 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Scene> {
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
-    let settings: RenderSettings = settings.unwrap_or_default();
+    let (settings, up): (RenderSettings, Option<UpAxis>) = settings.unwrap_or_default();
+    // Patches of a file stand as they do by themselves.
+    let of_files = meshes.is_empty() && surfaces.len() == builder.from_files;
+    let up = up.unwrap_or(if of_files { UpAxis::Z } else { UpAxis::Y }).direction();
     if settings.method == Method::Thesis {
         builder.chunk = 0;
         for (surface, places) in std::iter::zip(&surfaces, &loop_places) {
             builder.check_for_thesis(&surface.trims, places)?;
         }
     }
-    Ok(Scene { files: builder.files, camera, up: DVec3::Y, settings, surfaces, meshes })
+    Ok(Scene { files: builder.files, camera, up, settings, surfaces, meshes })
 }
 
 /// The text before the first line `[[surface]]` or `[[mesh]]`, then from each such line to the next.
@@ -128,10 +133,14 @@ fn length_of_string(text: &str, quote: &str) -> usize {
 struct Builder<'a> {
     text: &'a str,
     path: &'a Path,
+    /// Instead of what the meshes' tables say.
+    crease: Option<CreaseAngle>,
     /// Where the part begins that is parsed now; spans count from there.
     chunk: usize,
     textures: HashMap<PathBuf, Arc<Image>>,
     files: Vec<PathBuf>,
+    /// How many surfaces are of `.bpt` files.
+    from_files: usize,
 }
 
 impl Builder<'_> {
@@ -210,6 +219,7 @@ impl Builder<'_> {
                 let path = self.beside_scene(file.get_ref());
                 let surfaces = self.check(file, |_| bpt::parse(&read_text(&path)?, &path))?;
                 self.files.push(path);
+                self.from_files += surfaces.len();
                 surfaces
             }
             _ => {
@@ -276,12 +286,10 @@ impl Builder<'_> {
             (SmoothingName::None, None) => Smoothing::None,
         };
         let crease = table.crease_degrees.map(|angle| self.check(angle, CreaseAngle::new));
-        let crease = crease.transpose()?.unwrap_or_default();
+        let crease = self.crease.or(crease.transpose()?).unwrap_or_default();
         let path = self.beside_scene(table.file.get_ref());
-        let mut model = self.check(table.file, |_| {
-            let mesh = Mesh::load_obj(&path, crease)?;
-            MeshModel::new(mesh, smoothing).map_err(|error| unreadable(&path, error))
-        })?;
+        let mut model =
+            self.check(table.file, |_| MeshModel::load_obj(&path, crease, smoothing))?;
         self.files.push(path);
         model.level = table.level.map(|level| self.check(level, TessLevel::new)).transpose()?;
         model.paint = self.paint(table.texture, table.color, table.shading)?;
@@ -323,7 +331,10 @@ impl Builder<'_> {
     }
 }
 
-fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettings> {
+fn settings_of(
+    builder: &Builder<'_>,
+    table: RenderTable,
+) -> Result<(RenderSettings, Option<UpAxis>)> {
     let mut settings = RenderSettings {
         wireframe: table.wireframe,
         red_lines: table.red_lines,
@@ -362,7 +373,8 @@ fn settings_of(builder: &Builder<'_>, table: RenderTable) -> Result<RenderSettin
             )
         })?;
     }
-    Ok(settings)
+    let up = table.up.map(|up| builder.check(up, |name| name.parse())).transpose()?;
+    Ok((settings, up))
 }
 
 fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {

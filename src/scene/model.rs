@@ -6,8 +6,7 @@ use glam::{DMat4, DVec3};
 
 use super::{Paint, Shading, TessLevel};
 use crate::{
-    Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, Result, SmoothTriangle,
-    Smoothing,
+    Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };
 
 /// A triangle mesh with its place and look, drawn as a smooth surface by either method.
@@ -29,13 +28,11 @@ pub struct MeshModel {
 
 impl MeshModel {
     /// A mesh that stands as it is, grey and lit.
-    ///
-    /// # Errors
-    /// An edge that no surface has, as [`HalfedgeMesh::new`] tells.
-    pub fn new(mesh: Mesh, smoothing: Smoothing) -> Result<Self> {
-        let mesh = Arc::new(HalfedgeMesh::new(mesh)?);
+    #[must_use]
+    pub fn new(mesh: Mesh, smoothing: Smoothing) -> Self {
+        let mesh = Arc::new(HalfedgeMesh::new(mesh));
         let hull = hull(&mesh, smoothing);
-        Ok(Self {
+        Self {
             mesh,
             smoothing,
             hull,
@@ -43,7 +40,7 @@ impl MeshModel {
             transform: DMat4::IDENTITY,
             paint: Paint::default(),
             shading: Shading::default(),
-        })
+        }
     }
 
     /// The triangles.

@@ -11,10 +11,10 @@ use std::path::Path;
 use glam::{DVec2, DVec3};
 
 use super::bpt::shortened;
-use super::{check_is_file, unreadable};
+use super::file::{check_is_file, unreadable};
 use crate::bezier::MAX_COORDINATE;
-use crate::mesh::weld;
-use crate::{Corner, CreaseAngle, Error, Mesh, Result};
+use crate::mesh::{SharedBorders, weld};
+use crate::{Corner, CreaseAngle, Error, Mesh, MeshModel, Result, Smoothing};
 
 /// The longest line, in bytes: a face of some ten thousand corners.
 const MAX_LINE: usize = 1 << 20;
@@ -33,15 +33,13 @@ impl Mesh {
     /// Reads Wavefront OBJ. `path` stands in the errors.
     ///
     /// Faces of more than three corners are cut into a fan around their first corner, which takes
-    /// convex ones. Equal positions are made one, unless an edge would get more than two triangles
-    /// that way; triangles that have the same position twice are left out. Missing normals are
-    /// computed up to creases, as in [`Mesh::new`].
+    /// convex ones. Equal positions are made one; triangles that have the same position twice are left out.
+    /// Missing normals are computed up to creases, as in [`Mesh::new`].
     ///
     /// # Errors
     /// With the line: a line of more than 1 MiB, a number that is none or not finite, a position
     /// beyond 1e15, a face of fewer than three corners, an index of 0 or of what does not stand
-    /// above. Without: no triangles, too many of them; for a crease angle below 180 also an edge of
-    /// more than two triangles, if a normal is missing.
+    /// above. Without: no triangles, too many of them.
     pub fn read_obj(mut text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
         let mut obj = Obj::default();
         let mut line = Vec::new();
@@ -60,8 +58,12 @@ impl Mesh {
             }
             obj.statement(&String::from_utf8_lossy(&line)).map_err(fail)?;
         }
-        let Obj { positions, normals, coordinates, triangles } = obj;
-        let triangles = weld(&positions, triangles);
+        let Obj { positions, normals, coordinates, mut triangles } = obj;
+        let dropped = weld(&positions, &mut triangles);
+        if dropped > 0 {
+            let path = path.display();
+            log::info!("{path}: {dropped} triangles that have a position twice are left out");
+        }
         Self::new(positions, normals, coordinates, triangles, crease)
             .map_err(|error| unreadable(path, error))
     }
@@ -94,6 +96,21 @@ impl Mesh {
             out.write_all(b"\n")?;
         }
         Ok(())
+    }
+}
+
+impl MeshModel {
+    /// Reads a Wavefront OBJ file as [`Mesh::load_obj`] does.
+    ///
+    /// # Errors
+    /// As [`Mesh::load_obj`].
+    pub(super) fn load_obj(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Result<Self> {
+        let model = Self::new(Mesh::load_obj(path, crease)?, smoothing);
+        let shared = model.mesh().shared_borders();
+        if shared != SharedBorders::default() {
+            log::info!("{}: {shared}; they are borders", path.display());
+        }
+        Ok(model)
     }
 }
 

@@ -12,17 +12,16 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 use image::ImageFormat;
 
 use super::document::transform;
+use super::file::{extension, read_text};
 use super::{
     Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
-    Tessellation, bpt, default_control_points, extension, load_texture, read_text,
+    Tessellation, bpt, default_control_points, load_texture,
 };
 use crate::camera::Lens;
 use crate::{Camera, CreaseAngle, Error, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims};
 
 /// Loops of more segments together are written as a path, whose length a scene does not limit.
 const MANY_SEGMENTS: usize = 200;
-/// Width over height for which a scene is framed that stands on z and has no camera.
-const ASPECT: f64 = 5.0 / 3.0;
 
 /// The text of a scene file, and what must stand beside it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -46,11 +45,11 @@ impl Scene {
             pictures: Vec::new(),
             out: SceneText { text: String::new(), files: Vec::new() },
         };
-        let stands_on_z = self.camera.is_none() && self.up != DVec3::Y;
-        if let Some(camera) = self.camera.or_else(|| stands_on_z.then(|| self.framed(ASPECT))) {
+        if let Some(camera) = self.camera {
             writer.camera(&camera);
         }
         writer.settings(&self.settings);
+        writer.line("up", if self.up == DVec3::Z { "\"z\"" } else { "\"y\"" });
         for surface in &self.surfaces {
             writer.surface(surface)?;
         }

@@ -1,5 +1,6 @@
 //! The window's events, one after the other, and a frame when something changed.
 
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -19,7 +20,26 @@ use super::screen::Screen;
 use super::state::{Message, Request, State};
 use super::watch::Watch;
 use super::{ViewArguments, files, input, panel};
-use crate::cli::{Output, replace};
+use crate::cli::{LoadArguments, Output, replace};
+
+/// A file and what it held, in short.
+#[derive(Debug, PartialEq)]
+struct Contents {
+    file: PathBuf,
+    /// Of its bytes; none if it cannot be read.
+    hash: Option<u64>,
+}
+
+impl Contents {
+    fn of(file: PathBuf) -> Self {
+        let hash = std::fs::read(&file).ok().map(|bytes| {
+            let mut hasher = DefaultHasher::new();
+            bytes.hash(&mut hasher);
+            hasher.finish()
+        });
+        Self { file, hash }
+    }
+}
 
 /// So long a changed file must rest before it is read: editors write in several steps.
 const REST: Duration = Duration::from_millis(100);
@@ -30,7 +50,7 @@ const REST: Duration = Duration::from_millis(100);
 /// A scene that cannot be read, no window system, no OpenGL 4.5.
 pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
     let scene = match &arguments.scene {
-        Some(path) => Scene::load(path)?,
+        Some(path) => arguments.load.load(path)?,
         None => Scene::listing16(),
     };
     let no_display = |error: winit::error::EventLoopError| {
@@ -50,6 +70,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         saved: None,
         proxy: arguments.watch.then(|| events.create_proxy()),
         watch: None,
+        load: arguments.load,
         read: Vec::new(),
         reload_at: None,
         frames: 0,
@@ -93,8 +114,10 @@ struct App {
     /// Takes word of changed files, if they are watched.
     proxy: Option<EventLoopProxy<Changed>>,
     watch: Option<Watch>,
-    /// What the scene's file held when it was read last.
-    read: Vec<u8>,
+    /// How scenes are read.
+    load: LoadArguments,
+    /// What the scene's files held when they were read last.
+    read: Vec<Contents>,
     /// When the changed file is to be read.
     reload_at: Option<Instant>,
     frames: u64,
@@ -245,7 +268,7 @@ impl App {
 
     /// Shows another scene; one that cannot be read leaves this one.
     fn open(&mut self, path: &Path) -> bool {
-        let loaded = Scene::load(path);
+        let loaded = self.load.load(path);
         match self.state.report(loaded) {
             Some(scene) => {
                 self.state.open(scene, Some(path.to_owned()));
@@ -267,31 +290,37 @@ impl App {
         }
     }
 
-    /// Watches the scene's file, if that was asked for.
+    /// Watches the files of the scene, if that was asked for.
     fn watch(&mut self) {
         self.watch = None;
         if let (Some(proxy), Some(file)) = (&self.proxy, self.state.file()) {
-            self.read = std::fs::read(file).unwrap_or_default();
+            let mut files = self.state.scene().files.clone();
+            files.push(file.clone());
+            self.read = files.into_iter().map(Contents::of).collect();
+            let files = self.read.iter().map(|contents| contents.file.as_path());
             let proxy = proxy.clone();
             // Without a loop there is nobody to be told.
-            let watch = Watch::new(file, move || drop(proxy.send_event(Changed)));
+            let watch = Watch::new(files, move || drop(proxy.send_event(Changed)));
             self.watch = self.state.report(watch);
         }
     }
 
-    /// Reads the scene's file again; one that cannot be read leaves the scene as it was.
+    /// Reads the scene's files again; one that cannot be read leaves the scene as it was.
     fn reload(&mut self) {
         let Some(path) = self.state.file() else { return };
         // Being touched is no change. What cannot be read has its say below.
-        let bytes = std::fs::read(path).unwrap_or_default();
-        let loaded = Scene::load(path);
-        let same = bytes == self.read;
-        self.read = bytes;
+        let read: Vec<Contents> =
+            self.read.iter().map(|contents| Contents::of(contents.file.clone())).collect();
+        let loaded = self.load.load(path);
+        let same = read == self.read;
+        self.read = read;
         if same && loaded.is_ok() {
             return;
         }
         if let Some(scene) = self.state.report(loaded) {
             self.state.reload(scene);
+            // It may name other files now.
+            self.watch();
         }
     }
 

@@ -1,44 +1,68 @@
-//! Tells when a file changes on the disk.
+//! Tells when files change on the disk.
 
-use std::path::Path;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 use freeform_surface::{Error, Result};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher as _};
 
-/// Watches one file until it is dropped.
+/// Watches files until it is dropped.
 pub(super) struct Watch {
     _watcher: RecommendedWatcher,
 }
 
 impl Watch {
-    /// Calls `tell` on a thread of its own whenever the file may have changed.
+    /// Calls `tell` on a thread of its own whenever one of the files may have changed.
     ///
     /// # Errors
-    /// The system cannot watch the file's folder.
-    pub(super) fn new(file: &Path, tell: impl Fn() + Send + 'static) -> Result<Self> {
-        let fail = |error: notify::Error| Error::File {
-            action: "watch",
-            path: file.to_owned(),
-            reason: error.to_string(),
-        };
-        let name = file.file_name().map(ToOwned::to_owned);
+    /// The system cannot watch a file's folder.
+    pub(super) fn new<'a>(
+        files: impl Iterator<Item = &'a Path>,
+        tell: impl Fn() + Send + 'static,
+    ) -> Result<Self> {
+        // Folders and not files: editors put another file in a file's place.
+        let mut folders = HashSet::new();
+        let mut names: HashSet<(PathBuf, std::ffi::OsString)> = HashSet::new();
+        for file in files {
+            let folder = match file.parent() {
+                Some(folder) if !folder.as_os_str().is_empty() => folder,
+                _ => Path::new("."),
+            };
+            // The system tells of whole paths, whatever a folder was called here.
+            let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+            if let Some(name) = file.file_name() {
+                names.insert((folder.clone(), name.to_owned()));
+            }
+            folders.insert(folder);
+        }
         let mut watcher = notify::recommended_watcher(move |event: notify::Result<Event>| {
             // Reading it is no change.
             let changed = event.is_ok_and(|event| {
-                let own = |path: &std::path::PathBuf| path.file_name() == name.as_deref();
+                let own = |path: &PathBuf| {
+                    let place = path.parent().zip(path.file_name());
+                    place.is_some_and(|(folder, name)| {
+                        names.contains(&(folder.to_owned(), name.to_owned()))
+                    })
+                };
                 !event.kind.is_access() && event.paths.iter().any(own)
             });
             if changed {
                 tell();
             }
         })
-        .map_err(fail)?;
-        // The folder and not the file: editors put another file in its place.
-        let folder = match file.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        watcher.watch(folder, RecursiveMode::NonRecursive).map_err(fail)?;
+        .map_err(|error| fail(Path::new("files"), &error))?;
+        for folder in folders {
+            // Without its folder a file has its say when it is read.
+            if folder.is_dir() {
+                watcher
+                    .watch(&folder, RecursiveMode::NonRecursive)
+                    .map_err(|error| fail(&folder, &error))?;
+            }
+        }
         Ok(Self { _watcher: watcher })
     }
+}
+
+fn fail(path: &Path, error: &notify::Error) -> Error {
+    Error::File { action: "watch", path: path.to_owned(), reason: error.to_string() }
 }

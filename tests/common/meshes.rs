@@ -41,7 +41,7 @@ pub fn creased(name: &str, degrees: f64) -> Mesh {
 
 /// A scene of one mesh, drawn with no background.
 pub fn scene_of_mesh(mesh: Mesh, smoothing: Smoothing) -> Scene {
-    let meshes = vec![MeshModel::new(mesh, smoothing).unwrap()];
+    let meshes = vec![MeshModel::new(mesh, smoothing)];
     Scene { meshes, up: DVec3::Y, ..scene_of(Vec::new()) }
 }
 

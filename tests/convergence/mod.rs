@@ -77,7 +77,7 @@ pub fn of_surface(mesh: &Mesh, smoothing: Smoothing, distance: fn(DVec3) -> f64)
 }
 
 fn largest(mesh: &Mesh, smoothing: Smoothing, of: impl Fn(&dyn CurvedTriangle) -> f64) -> f64 {
-    let mesh = HalfedgeMesh::new(mesh.clone()).expect("a surface");
+    let mesh = HalfedgeMesh::new(mesh.clone());
     (0..mesh.halfedges() / 3)
         .map(|triangle| {
             let triangle = mesh.triangle(triangle);

@@ -11,7 +11,7 @@ use glam::{DVec3, dvec3};
 pub fn mesh(positions: Vec<DVec3>, normals: Vec<DVec3>, faces: &[[u32; 3]]) -> Mesh {
     let corner = |index| Corner { position: index, normal: index, coordinate: Corner::NONE };
     let triangles = faces.iter().map(|face| face.map(corner)).collect();
-    Mesh::new(positions, normals, Vec::new(), triangles, CreaseAngle::default()).expect("a mesh")
+    Mesh::new(positions, normals, Vec::new(), triangles, CreaseAngle::NONE).expect("a mesh")
 }
 
 /// The faces of a mesh, by position.

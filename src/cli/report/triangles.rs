@@ -43,7 +43,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
     for (shape, path, distance) in SHAPES {
         lab.step(format!("triangles: {shape}"));
         let file = lab.path(path);
-        let mesh = Mesh::load_obj(&file, CreaseAngle::default())?;
+        let mesh = Mesh::load_obj(&file, CreaseAngle::NONE)?;
         let (mut over_time, mut over_triangles) = (Vec::new(), Vec::new());
         for (way, smoothing) in ways {
             let mut scenes = Vec::new();
@@ -110,7 +110,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
 
 fn scene(mesh: &Mesh, smoothing: Smoothing, level: i64) -> Result<Scene> {
     let mut scene = Scene { surfaces: Vec::new(), ..Scene::listing16() };
-    scene.meshes.push(MeshModel::new(mesh.clone(), smoothing)?);
+    scene.meshes.push(MeshModel::new(mesh.clone(), smoothing));
     scene.settings.tessellation = Tessellation::Level(TessLevel::new(level)?);
     Ok(scene)
 }

@@ -1,0 +1,246 @@
+//! How a scene is drawn.
+
+use glam::DVec3;
+
+use crate::{Error, Newton, Result};
+
+/// How a scene is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RenderSettings {
+    /// Red, green, blue and alpha where nothing is drawn, each 0 … 1.
+    pub background: [f32; 4],
+    /// Whose trims and normals the surfaces have.
+    pub method: Method,
+    /// Samples a pixel.
+    pub samples: Samples,
+    /// How finely patches are cut.
+    pub tessellation: Tessellation,
+    /// Where the exact method evaluates normals.
+    pub normals: Normals,
+    /// Lines instead of filled triangles.
+    pub wireframe: bool,
+    /// The lines are the report's red, whatever the surface looks like.
+    pub red_lines: bool,
+    /// Control points as blue squares on top.
+    pub control_points: bool,
+    /// How the thesis' trimming iterates.
+    pub newton: Newton,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            background: [0.2, 0.2, 0.25, 1.0],
+            method: Method::default(),
+            samples: Samples::default(),
+            tessellation: Tessellation::default(),
+            normals: Normals::default(),
+            wireframe: false,
+            red_lines: false,
+            control_points: false,
+            newton: Newton::default(),
+        }
+    }
+}
+
+/// Whose trims and normals a picture has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Method {
+    /// The ported one: trims by Newton's method, the listings' normals, with their limits.
+    Thesis,
+    /// Trims that are right at every sample, true normals.
+    #[default]
+    Exact,
+}
+
+impl std::str::FromStr for Method {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "thesis" => Ok(Self::Thesis),
+            "exact" => Ok(Self::Exact),
+            _ => Err(Error::invalid("method", format!("\"{name}\""), "\"exact\" or \"thesis\"")),
+        }
+    }
+}
+
+/// How many parts an edge of a patch is cut into: a whole number from 1 to 64, the most that OpenGL
+/// asks of every driver.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct TessLevel(u32);
+
+impl TessLevel {
+    /// The highest level.
+    pub const MAX: Self = Self(64);
+
+    /// The lowest: patches and triangles stay as they are.
+    pub const ONE: Self = Self(1);
+
+    /// A level from a number that may be none.
+    ///
+    /// # Errors
+    /// Anything outside 1 … 64.
+    pub fn new(level: i64) -> Result<Self> {
+        match u32::try_from(level) {
+            Ok(level @ 1..=64) => Ok(Self(level)),
+            _ => Err(Error::invalid("level", level, "a whole number from 1 to 64")),
+        }
+    }
+
+    /// The number.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl Default for TessLevel {
+    /// 32, twice what the thesis calls the least for a detailed surface.
+    fn default() -> Self {
+        Self(32)
+    }
+}
+
+/// The largest distance on the screen between what is drawn and the surface, in pixels: from 0.01 to
+/// 100.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct Tolerance(f64);
+
+impl Tolerance {
+    /// A tolerance in pixels.
+    ///
+    /// # Errors
+    /// Anything outside 0.01 … 100.
+    pub fn new(pixels: f64) -> Result<Self> {
+        if (0.01..=100.0).contains(&pixels) {
+            Ok(Self(pixels))
+        } else {
+            Err(Error::invalid("tolerance", pixels, "a number of pixels from 0.01 to 100"))
+        }
+    }
+
+    /// The number of pixels.
+    #[must_use]
+    pub const fn pixels(self) -> f64 {
+        self.0
+    }
+}
+
+impl Default for Tolerance {
+    /// Half a pixel.
+    fn default() -> Self {
+        Self(0.5)
+    }
+}
+
+/// How finely patches are cut into triangles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tessellation {
+    /// As finely as it takes, edge by edge. The thesis' method has no such thing; it draws
+    /// [`TessLevel::default`].
+    Within(Tolerance),
+    /// At one level everywhere.
+    Level(TessLevel),
+}
+
+impl Tessellation {
+    /// The one level, of the thesis' method in any case.
+    #[must_use]
+    pub fn level(self) -> TessLevel {
+        match self {
+            Self::Within(_) => TessLevel::default(),
+            Self::Level(level) => level,
+        }
+    }
+}
+
+impl Default for Tessellation {
+    fn default() -> Self {
+        Self::Within(Tolerance::default())
+    }
+}
+
+/// Where the exact method evaluates normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Normals {
+    /// At the vertices of triangles; between them they are interpolated.
+    #[default]
+    Vertex,
+    /// At every pixel: highlights do not depend on the triangles.
+    Pixel,
+}
+
+impl std::str::FromStr for Normals {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "vertex" => Ok(Self::Vertex),
+            "pixel" => Ok(Self::Pixel),
+            _ => Err(Error::invalid("normals", format!("\"{name}\""), "\"vertex\" or \"pixel\"")),
+        }
+    }
+}
+
+/// How many samples of a pixel are averaged: a power of two from 1 to 256.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Samples(u32);
+
+impl Samples {
+    /// A number of samples.
+    ///
+    /// # Errors
+    /// Anything but 1, 2, 4, … 256.
+    pub fn new(samples: i64) -> Result<Self> {
+        match u32::try_from(samples) {
+            Ok(samples @ 1..=256) if samples.is_power_of_two() => Ok(Self(samples)),
+            _ => Err(Error::invalid("samples", samples, "1, 2, 4, 8, 16, 32, 64, 128 or 256")),
+        }
+    }
+
+    /// The number.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl Default for Samples {
+    /// One, at the pixel's centre.
+    fn default() -> Self {
+        Self(1)
+    }
+}
+
+/// The axis of a scene that stands upright in the picture when it is framed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum UpAxis {
+    /// The y axis.
+    Y,
+    /// The z axis.
+    Z,
+}
+
+impl UpAxis {
+    /// The axis as a vector.
+    #[must_use]
+    pub const fn direction(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+}
+
+impl std::str::FromStr for UpAxis {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "y" => Ok(Self::Y),
+            "z" => Ok(Self::Z),
+            _ => Err(Error::invalid("up", format!("\"{name}\""), "\"y\" or \"z\"")),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Surfaces of a scene: patches with their place, look and trims.
+
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3, DVec4};
+
+use super::Image;
+use crate::bezier::check_control_point;
+use crate::{Degree, Error, Patch, Result, Trims};
+
+/// What a surface's points look like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Shading {
+    /// The thesis' Phong model with its two lights.
+    #[default]
+    Phong,
+    /// The picture or colour alone, as in the report.
+    Unlit,
+    /// The view-space normal n as the colour (n + 1) / 2.
+    Normals,
+}
+
+/// Colour of a surface before lighting.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Paint {
+    /// Red, green and blue, each 0 … 1.
+    Color([f32; 3]),
+    /// A picture over the domain, its alpha ignored; surfaces may share it.
+    Texture(Arc<Image>),
+}
+
+impl Default for Paint {
+    fn default() -> Self {
+        Self::Color([0.8, 0.8, 0.8])
+    }
+}
+
+/// Which sides of a surface need not be drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Cull {
+    /// Both are drawn.
+    #[default]
+    None,
+    /// Of a closed surface, patches that wholly show their back are left out: the side from which u
+    /// and v turn clockwise. By the exact method alone.
+    Back,
+}
+
+/// One or more patches of one degree that share transform, paint and trims. Every patch has its own
+/// domain [0, 1]², so every patch is painted and trimmed alike.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    degree: Degree,
+    control_points: Arc<Vec<DVec4>>,
+    /// Model space to world space.
+    pub transform: DMat4,
+    /// Colour before lighting.
+    pub paint: Paint,
+    /// Lighting.
+    pub shading: Shading,
+    /// What is cut out.
+    pub trims: Trims,
+    /// What need not be drawn.
+    pub cull: Cull,
+}
+
+impl Surface {
+    /// Patches of 16 or 25 control points (x, y, z, weight), patch after patch.
+    ///
+    /// # Errors
+    /// No point, a number that is no multiple of the patch size, a point that is not finite, a
+    /// weight that is not above 0; points count from 0.
+    pub fn new(degree: Degree, control_points: Vec<DVec4>) -> Result<Self> {
+        if control_points.is_empty() || !control_points.len().is_multiple_of(degree.points()) {
+            return Err(Error::invalid(
+                "number of control points",
+                control_points.len(),
+                format!("{} for each patch", degree.points()),
+            ));
+        }
+        for (index, point) in control_points.iter().enumerate() {
+            check_control_point(*point, index)?;
+        }
+        Ok(Self {
+            degree,
+            control_points: Arc::new(control_points),
+            transform: DMat4::IDENTITY,
+            paint: Paint::default(),
+            shading: Shading::default(),
+            trims: Trims::default(),
+            cull: Cull::default(),
+        })
+    }
+
+    /// The degree of all patches.
+    #[must_use]
+    pub const fn degree(&self) -> Degree {
+        self.degree
+    }
+
+    /// The control points of all patches.
+    #[must_use]
+    pub fn control_points(&self) -> &[DVec4] {
+        &self.control_points
+    }
+
+    /// Moves one control point; `index` counts through all patches.
+    ///
+    /// # Errors
+    /// An index out of range, a point that is not finite, a weight that is not above 0. The surface
+    /// stays as it was.
+    pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
+        let count = self.control_points.len();
+        if index >= count {
+            return Err(Error::invalid(
+                "index of a control point",
+                index,
+                format!("0 to {}", count - 1),
+            ));
+        }
+        check_control_point(point, index)?;
+        self.points_mut()[index] = point;
+        Ok(())
+    }
+
+    /// The control points, to be changed to others that are as good.
+    pub(super) fn points_mut(&mut self) -> &mut [DVec4] {
+        Arc::make_mut(&mut self.control_points).as_mut_slice()
+    }
+
+    /// The patches in order.
+    pub fn patches(&self) -> impl ExactSizeIterator<Item = Patch<'_>> + '_ {
+        self.control_points
+            .chunks_exact(self.degree.points())
+            .map(|points| Patch::new(self.degree, points))
+    }
+
+    /// Points of the surface in world space, `side` × `side` of each patch.
+    pub(super) fn samples(&self, side: usize) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        let at = move |i: usize| i as f64 / (side - 1) as f64;
+        self.control_points
+            .chunks_exact(self.degree.points())
+            .flat_map(move |points| (0..side * side).map(move |i| (points, i)))
+            .map(move |(points, i)| {
+                let patch = Patch::new(self.degree, points);
+                let point = patch.at(at(i % side), at(i / side)).position;
+                self.transform.transform_point3(point)
+            })
+    }
+
+    /// Control points in world space, without their weights. The surface lies in their hull.
+    pub fn world_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+        self.control_points.iter().map(|point| self.transform.transform_point3(point.truncate()))
+    }
+}
+
+/// The 16 control points of a new surface: the grid of listing 16, flat in y = 0, row by row from
+/// the front (z = 0.5) to the back, every row from left to right.
+#[must_use]
+pub fn default_control_points() -> Vec<DVec4> {
+    const PLACES: [f64; 4] = [-0.5, -0.17, 0.17, 0.5];
+    PLACES
+        .iter()
+        .rev()
+        .flat_map(|z| PLACES.iter().map(move |x| DVec4::new(*x, 0.0, *z, 1.0)))
+        .collect()
+}
