@@ -126,6 +126,7 @@ pub struct Mesh {
     normals: Vec<DVec3>,
     coordinates: Vec<DVec2>,
     triangles: Vec<[Corner; 3]>,
+    colors: Vec<[f32; 3]>,
 }
 
 impl Mesh {
@@ -163,7 +164,7 @@ impl Mesh {
             check_coordinates("", *position)
                 .or_else(|_| check_coordinates(format!("position {index}"), *position))?;
         }
-        let mut mesh = Self { positions, normals, coordinates, triangles };
+        let mut mesh = Self { positions, normals, coordinates, triangles, colors: Vec::new() };
         mesh.check_indices()?;
         for (index, normal) in mesh.normals.iter_mut().enumerate() {
             *normal = normals::unit(*normal)
@@ -178,6 +179,25 @@ impl Mesh {
         normals::complete(&mut mesh, crease);
         mesh.complete_coordinates();
         Ok(mesh)
+    }
+
+    /// The mesh with a colour at each position, by which its paint is multiplied: red, green and blue from 0 to
+    /// 1. No colours leave the paint as it is.
+    ///
+    /// # Errors
+    /// Another number of colours than of positions, a number beyond 0 and 1.
+    pub fn with_colors(mut self, colors: Vec<[f32; 3]>) -> Result<Self> {
+        if !colors.is_empty() && colors.len() != self.positions.len() {
+            let expected = format!("{}, one for each position", self.positions.len());
+            return Err(Error::invalid("number of colors", colors.len(), expected));
+        }
+        let good = |color: &[f32; 3]| color.iter().all(|value| (0.0..=1.0).contains(value));
+        if let Some(bad) = colors.iter().position(|color| !good(color)) {
+            let value = format!("{:?}", colors[bad]);
+            return Err(Error::invalid(format!("color {bad}"), value, "numbers from 0 to 1"));
+        }
+        self.colors = colors;
+        Ok(self)
     }
 
     fn check_indices(&self) -> Result<()> {
@@ -244,6 +264,12 @@ impl Mesh {
     #[must_use]
     pub fn coordinates(&self) -> &[DVec2] {
         &self.coordinates
+    }
+
+    /// The colours of the positions; none if they have none.
+    #[must_use]
+    pub fn colors(&self) -> &[[f32; 3]] {
+        &self.colors
     }
 
     /// The triangles, counter-clockwise from outside. Every corner has a normal, and texture

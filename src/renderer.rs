@@ -63,6 +63,7 @@ pub struct Renderer {
     points_array: VertexArray,
     parts_array: VertexArray,
     corners_array: VertexArray,
+    flat_array: VertexArray,
     /// What lines are painted with.
     line_paint: Texture,
     draw_size: DrawSize,
@@ -97,6 +98,7 @@ impl Renderer {
             points_array: VertexArray::of_points(gl)?,
             parts_array: VertexArray::of_parts(gl)?,
             corners_array: VertexArray::of_corners(gl)?,
+            flat_array: VertexArray::of_flat_corners(gl)?,
             line_paint: Paint::Color([1.0, 0.0, 0.0]).upload(gl)?,
             draw_size: draw_size(gl),
         })
@@ -400,6 +402,7 @@ impl Renderer {
         self.points_array.unbind();
         self.parts_array.unbind();
         self.corners_array.unbind();
+        self.flat_array.unbind();
         // SAFETY: the context is current (see the type).
         unsafe {
             self.gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);

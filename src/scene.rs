@@ -20,7 +20,7 @@ use crate::camera::Projection;
 use crate::{Camera, Circle, CreaseAngle, Degree, Result, Smoothing};
 
 use file::{check_is_file, extension, read_text, unreadable};
-pub use model::MeshModel;
+pub use model::{Material, MeshModel};
 pub use settings::{
     Method, Normals, RenderSettings, Samples, TessLevel, Tessellation, Tolerance, UpAxis,
 };
@@ -74,7 +74,7 @@ impl Scene {
         let mut scene = match extension(path).as_str() {
             "toml" => document::parse(&read_text(path)?, path, options)?,
             "bpt" => Self::from_bpt(&read_text(path)?, path)?,
-            "obj" => Self::of_mesh(path, options)?,
+            "obj" => Self::of_obj(path, options)?,
             // What is not there or no file at all is said first.
             other => {
                 return Err(check_is_file(path).err().unwrap_or_else(|| {
@@ -147,11 +147,12 @@ impl Scene {
         }
     }
 
-    /// A mesh as it is, its normals interpolated: what the file says.
-    fn of_mesh(path: &Path, options: &LoadOptions) -> Result<Self> {
+    /// Surfaces and a mesh as they are, its normals interpolated: what the file says.
+    fn of_obj(path: &Path, options: &LoadOptions) -> Result<Self> {
         let crease = options.crease.unwrap_or_default();
-        let model = MeshModel::load_obj(path, crease, Smoothing::None)?;
-        Ok(Self { meshes: vec![model], ..Self::empty(path) })
+        let obj::ObjScene { surfaces, model, files } = obj::load(path, crease, Smoothing::None)?;
+        let meshes = model.into_iter().collect();
+        Ok(Self { files, surfaces, meshes, ..Self::empty(path) })
     }
 
     /// Nothing yet of a file.

@@ -4,6 +4,9 @@
 
 layout(location = 1) in vec2 passTessCoord;
 layout(location = 2) in vec4 position;
+#ifdef COLORED
+layout(location = 6) in vec3 passColor; // of a mesh's corners
+#endif
 
 layout(binding = 0) uniform sampler2D colortexture;
 
@@ -13,6 +16,9 @@ void main()
 {
     // Sampled before anything is discarded: the texture's derivatives need all neighbours.
     vec3 diffuseColor = texture(colortexture, passTessCoord).rgb;
+#ifdef COLORED
+    diffuseColor *= passColor;
+#endif
 #if defined(TRIMMED) && SAMPLES > 1
     int kept = 0;
     for (int i = 0; i < SAMPLES; ++i)

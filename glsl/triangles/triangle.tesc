@@ -16,6 +16,11 @@ in vec4 normalOfCorner[];
 in vec3 leavingCorner[];
 in vec3 arrivingCorner[];
 flat in uint triangleOfCorner[];
+#ifdef COLORED
+in vec3 colorOfCorner[];
+
+out vec3 colorOfTriangle[];
+#endif
 
 out vec4 normalOfTriangle[];
 
@@ -47,6 +52,9 @@ void main()
 {
     gl_out[gl_InvocationID].gl_Position = gl_in[gl_InvocationID].gl_Position;
     normalOfTriangle[gl_InvocationID] = normalOfCorner[gl_InvocationID];
+#ifdef COLORED
+    colorOfTriangle[gl_InvocationID] = colorOfCorner[gl_InvocationID];
+#endif
     if (gl_InvocationID == 0) {
 #ifndef PHONG_TESSELLATION
         vec3 moved = vec3(0.0);

@@ -11,6 +11,9 @@ layout(location = 28) uniform mat4 toView;
 layout(location = 29) uniform mat4 normalToView;
 
 in vec4 normalOfTriangle[];
+#ifdef COLORED
+in vec3 colorOfTriangle[];
+#endif
 
 patch in uint triangle;
 patch in uint levelsOfTriangle;
@@ -25,6 +28,9 @@ patch in vec3 edgeNormals[3];
 layout(location = 0) out vec3 passNormal;    // view space, unit length
 layout(location = 1) out vec2 passTessCoord; // texture coordinates; with AOV u and v
 layout(location = 2) out vec4 position;      // view space
+#ifdef COLORED
+layout(location = 6) out vec3 passColor;
+#endif
 #ifdef AOV
 layout(location = 3) flat out uint passPatch;
 #endif
@@ -86,6 +92,9 @@ void main()
     position = toView * point;
     precise vec4 clip = toClip * point;
     gl_Position = clip;
+#ifdef COLORED
+    passColor = mean(colorOfTriangle[0], colorOfTriangle[1], colorOfTriangle[2], at);
+#endif
 #ifdef AOV
     passTessCoord = at.yz;
     passPatch = uint(firstPatch) + triangle;

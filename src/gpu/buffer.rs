@@ -41,6 +41,38 @@ impl Buffer {
         }
     }
 
+    /// A buffer of so many values, made one after the other on their way: the whole of them is never in memory
+    /// twice. There must be some.
+    ///
+    /// # Errors
+    /// As [`Buffer::new`].
+    pub(crate) fn of_values<T: Pod>(
+        gl: &Arc<glow::Context>,
+        label: &str,
+        count: usize,
+        mut values: impl Iterator<Item = T>,
+    ) -> Result<Self> {
+        const AT_ONCE: usize = 1 << 14;
+        let bytes = count.saturating_mul(size_of::<T>());
+        let size = size_i32(label, bytes)?;
+        // SAFETY: the context is current (see the module); the buffer is new and ours.
+        let buffer = unsafe {
+            let raw = create(label, gl.create_named_buffer())?;
+            let buffer = Self { gl: Arc::clone(gl), raw, bytes };
+            gl.named_buffer_data_size(raw, size, glow::DYNAMIC_DRAW);
+            check_memory(gl, label, bytes as u64)?;
+            gl.object_label(glow::BUFFER, raw.0.get(), Some(label));
+            buffer
+        };
+        let mut some = Vec::with_capacity(AT_ONCE.min(count));
+        for first in (0..count).step_by(AT_ONCE) {
+            some.clear();
+            some.extend(values.by_ref().take(AT_ONCE));
+            buffer.write(first, &some);
+        }
+        Ok(buffer)
+    }
+
     /// A buffer for [`Buffer::bind_storage`]; `values` must not be empty.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use super::{check_memory, checked_size, create, size_i32, transfer_plainly};
 use crate::{Image, Result};
 
 /// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
-/// smaller levels for the distance, clamped to its edges.
+/// smaller levels for the distance, clamped to its edges unless it repeats.
 pub struct Texture {
     gl: Arc<glow::Context>,
     raw: glow::Texture,
@@ -65,6 +65,18 @@ impl Texture {
             gl.object_label(glow::TEXTURE, texture.raw.0.get(), Some(label));
         }
         Ok(texture)
+    }
+
+    /// Lets the picture repeat beyond its edges.
+    #[must_use]
+    pub(crate) fn repeating(self) -> Self {
+        // SAFETY: the context is current (see the module); the texture is ours.
+        unsafe {
+            for axis in [glow::TEXTURE_WRAP_S, glow::TEXTURE_WRAP_T] {
+                self.gl.texture_parameter_i32(self.raw, axis, glow::REPEAT as i32);
+            }
+        }
+        self
     }
 
     /// Uploads one level, whose size the image must have.

@@ -31,16 +31,55 @@ impl VertexArray {
         Ok(array)
     }
 
-    /// Corners of triangles: attributes 0 and 1 are a `vec4`, 2 and 3 a `vec3`.
+    /// Corners of smooth triangles: attributes 0 and 1 are a `vec4`, 2 and 3 a `vec3`; in a buffer of its own,
+    /// attribute 4 is a colour of four bytes.
     ///
     /// # Errors
     /// The driver has no vertex array.
     pub fn of_corners(gl: &Arc<glow::Context>) -> Result<Self> {
-        let array = Self::new(gl, "corners of triangles", 56)?;
+        let array = Self::new(gl, "corners of smooth triangles", 56)?;
         for (attribute, components, offset) in [(0, 4, 0), (1, 4, 16), (2, 3, 32), (3, 3, 44)] {
             array.floats(attribute, components, offset);
         }
+        array.colors();
         Ok(array)
+    }
+
+    /// Corners of flat triangles: the same without attributes 2 and 3.
+    ///
+    /// # Errors
+    /// The driver has no vertex array.
+    pub fn of_flat_corners(gl: &Arc<glow::Context>) -> Result<Self> {
+        let array = Self::new(gl, "corners of flat triangles", 32)?;
+        array.floats(0, 4, 0);
+        array.floats(1, 4, 16);
+        array.colors();
+        Ok(array)
+    }
+
+    /// Attribute 4, which is read where [`VertexArray::bind_colors`] gives it a buffer.
+    fn colors(&self) {
+        let gl = &self.gl;
+        // SAFETY: the context is current (see the module); the array is ours.
+        unsafe {
+            gl.vertex_array_attrib_format_f32(self.raw, 4, 4, glow::UNSIGNED_BYTE, true, 0);
+            gl.vertex_array_attrib_binding_f32(self.raw, 4, 1);
+        }
+    }
+
+    /// Reads attribute 4 from a buffer of colours, or not at all. The array must be bound.
+    pub fn bind_colors(&self, colors: Option<&Buffer>) {
+        let raw = colors.map(Buffer::raw);
+        // SAFETY: the context is current (see the module); both objects live.
+        unsafe {
+            self.gl.vertex_array_vertex_buffer(self.raw, 1, raw, 0, 4);
+            if raw.is_some() {
+                self.gl.enable_vertex_array_attrib(self.raw, 4);
+            } else {
+                // glow 0.17 has no call that needs no binding.
+                self.gl.disable_vertex_attrib_array(4);
+            }
+        }
     }
 
     /// Corners of static triangles: attributes 0 and 1 are a `vec4`, 2 a `uint`.
@@ -132,6 +171,7 @@ impl VertexArray {
         // that its owner deletes.
         unsafe {
             self.gl.vertex_array_vertex_buffer(self.raw, 0, None, 0, self.bytes);
+            self.gl.vertex_array_vertex_buffer(self.raw, 1, None, 0, 4);
             self.gl.vertex_array_element_buffer(self.raw, None);
             self.gl.bind_vertex_array(None);
         }

@@ -14,7 +14,7 @@
 //! Barycentric coordinates of the new points are constants. To compute them from positions again is
 //! what made the course project's pictures break.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
 use super::normals::mean;
 use super::{
@@ -162,6 +162,8 @@ impl HalfedgeMesh {
         let mut normals = TessellationList::assign_tessellation_indices(&old.normals, self);
         let mut coordinates = (!old.coordinates.is_empty())
             .then(|| TessellationList::assign_tessellation_indices(&old.coordinates, self));
+        let mut colors = (!old.colors.is_empty())
+            .then(|| TessellationList::assign_tessellation_indices(&old.colors, self));
         let mut triangles = Vec::with_capacity(PARTS * old.triangles.len());
         for (number, corners) in (0..).zip(&old.triangles) {
             let surface = surface(&self.triangle(number));
@@ -170,6 +172,11 @@ impl HalfedgeMesh {
             let coordinate = |weights: [f64; 3]| -> DVec2 {
                 let of_corners = corners.map(|corner| old.coordinates[corner.coordinate as usize]);
                 mean(of_corners.map(|coordinate| coordinate.extend(0.0)), weights).truncate()
+            };
+            let color = |weights: [f64; 3]| {
+                let of_corners = corners.map(|corner| old.colors[corner.position as usize]);
+                let of_corners = of_corners.map(|color| Vec3::from_array(color).as_dvec3());
+                mean(of_corners, weights).as_vec3().to_array()
             };
             let edges = [0, 1, 2].map(|k| {
                 let halfedge = 3 * number + k;
@@ -190,6 +197,10 @@ impl HalfedgeMesh {
                     let of_corner = |corner: Corner| corner.coordinate;
                     list.edge_tess_index(self, halfedge, of_corner, || points.map(coordinate))
                 });
+                if let Some(list) = &mut colors {
+                    let of_corner = |corner: Corner| corner.position;
+                    list.edge_tess_index(self, halfedge, of_corner, || points.map(color));
+                }
                 [
                     Corner { position: near, normal: normal[0], coordinate: coordinate[0] },
                     Corner { position: far, normal: normal[1], coordinate: coordinate[1] },
@@ -202,12 +213,16 @@ impl HalfedgeMesh {
                     .as_mut()
                     .map_or(Corner::NONE, |list| list.face_tess_index(coordinate(CENTER))),
             };
+            if let Some(list) = &mut colors {
+                list.face_tess_index(color(CENTER));
+            }
             triangles.extend_from_slice(&build_tessellation_faces(*corners, edges, center));
         }
         Ok(Mesh {
             positions: positions.build_tessellation_list(),
             normals: normals.build_tessellation_list(),
             coordinates: coordinates.map_or(Vec::new(), TessellationList::build_tessellation_list),
+            colors: colors.map_or(Vec::new(), TessellationList::build_tessellation_list),
             triangles,
         })
     }

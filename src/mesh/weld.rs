@@ -7,8 +7,8 @@ use glam::DVec3;
 use super::Corner;
 
 /// Makes equal positions one, the first of them, so that seams of a file do not tear, and leaves out triangles
-/// that thereby have twice the same position: their neighbours meet without them. Returns how many.
-pub(crate) fn weld(positions: &[DVec3], triangles: &mut Vec<[Corner; 3]>) -> usize {
+/// that thereby have twice the same position: their neighbours meet without them. Returns their numbers.
+pub(crate) fn weld(positions: &[DVec3], triangles: &mut Vec<[Corner; 3]>) -> Vec<u32> {
     let mut firsts = HashMap::with_capacity(positions.len());
     let welded: Vec<u32> = (0..)
         .zip(positions)
@@ -18,13 +18,19 @@ pub(crate) fn weld(positions: &[DVec3], triangles: &mut Vec<[Corner; 3]>) -> usi
             *firsts.entry(bits).or_insert(index)
         })
         .collect();
-    let before = triangles.len();
+    let mut dropped = Vec::new();
+    let mut number = 0;
     triangles.retain_mut(|corners| {
         let [a, b, c] = corners.each_mut().map(|corner| {
             corner.position = welded[corner.position as usize];
             corner.position
         });
-        a != b && b != c && c != a
+        let kept = a != b && b != c && c != a;
+        if !kept {
+            dropped.push(number);
+        }
+        number += 1;
+        kept
     });
-    before - triangles.len()
+    dropped
 }

@@ -10,23 +10,32 @@ use glow::HasContext;
 use super::drawing::{Seen, matrices};
 use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::triangles::Feedback;
-use super::{DrawnVertex, Frame, Renderer, set_columns, set_for_aovs};
+use super::{DrawnVertex, Frame, Renderer, in_lines, set_columns, set_for_aovs};
 use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
 use crate::surface::Centering;
 use crate::tessellation::{
     DrawSize, Rounding, Screen, TriangleBound, parts_of_next_draw, raise, triangles_of_triangle,
     vertices_of_triangle,
 };
-use crate::{FrameFigures, MeshModel, Result, Shading, Smoothing, TessLevel, Tessellation};
+use crate::{
+    Corner, FrameFigures, MeshModel, Paint, Result, Shading, Smoothing, TessLevel, Tessellation,
+};
 
-/// A corner of a triangle as `triangles/triangle.vert` reads it.
+/// A corner of a flat triangle as `triangles/triangle.vert` reads it.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct DrawnCorner {
+struct FlatCorner {
     /// And s of the texture coordinates.
     position: [f32; 4],
     /// And t.
     normal: [f32; 4],
+}
+
+/// A corner of a smooth triangle.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct SmoothCorner {
+    flat: FlatCorner,
     /// The normal here that shapes the edge to the next corner, and the edge from the one before.
     leaving: [f32; 3],
     arriving: [f32; 3],
@@ -38,16 +47,27 @@ struct Draw {
     first: usize,
     count: usize,
     triangles: u64,
+    /// The number of its paint.
+    paint: usize,
+}
+
+/// The paint of triangles up to this one.
+#[derive(Debug)]
+struct Painted {
+    end: usize,
+    texture: Arc<Texture>,
 }
 
 /// A mesh in the driver's memory.
 #[derive(Debug)]
 pub(crate) struct PreparedMesh {
     model: MeshModel,
-    texture: Arc<Texture>,
+    paints: Vec<Painted>,
     centering: Centering,
     corners: Buffer,
-    /// Control points of all triangles, 10 or 6 each.
+    /// Of each corner, if the mesh has some.
+    colors: Option<Buffer>,
+    /// Control points of all triangles, 10 or 6 each; none of flat ones.
     nets: Vec<DVec3>,
     seen: Option<Seen>,
     /// Of each triangle what it needs by itself; 0 if it is out of sight.
@@ -62,36 +82,74 @@ pub(crate) struct PreparedMesh {
 }
 
 impl PreparedMesh {
-    /// Uploads a mesh; `texture` is its paint.
-    pub(crate) fn new(
+    /// Uploads a mesh; `texture` uploads a paint.
+    pub(crate) fn new<'a>(
         gl: &Arc<glow::Context>,
-        model: &MeshModel,
-        texture: Arc<Texture>,
+        model: &'a MeshModel,
+        mut texture: impl FnMut(&'a Paint) -> Result<Arc<Texture>>,
     ) -> Result<Self> {
         let mesh = model.mesh().mesh();
+        let count = mesh.triangles().len();
+        let mut paints: Vec<Painted> = Vec::new();
+        for material in &model.materials {
+            let begin = paints.last().map_or(0, |paint| paint.end);
+            if begin < material.triangles.start {
+                let texture = texture(&model.paint)?;
+                paints.push(Painted { end: material.triangles.start, texture });
+            }
+            paints
+                .push(Painted { end: material.triangles.end, texture: texture(&material.paint)? });
+        }
+        if paints.last().is_none_or(|paint| paint.end < count) {
+            paints.push(Painted { end: count, texture: texture(&model.paint)? });
+        }
         let centering = Centering::of(model.hull().map(|point| point.extend(1.0)).iter());
-        let mut corners = Vec::with_capacity(3 * mesh.triangles().len());
-        let mut nets = Vec::new();
-        for (number, own) in (0..).zip(mesh.triangles()) {
-            let triangle = model.mesh().triangle(number);
-            for (k, corner) in own.iter().enumerate() {
-                let st = mesh.coordinates().get(corner.coordinate as usize);
-                let st = st.copied().unwrap_or_default().as_vec2();
-                let position = centering.apply(triangle.positions[k].extend(1.0)).truncate();
-                corners.push(DrawnCorner {
-                    position: position.extend(st.x).into(),
-                    normal: triangle.normals[k].as_vec3().extend(st.y).into(),
+        let is_flat = model.smoothing() == Smoothing::None;
+        let flat_corner = |corner: &Corner| {
+            let st = mesh.coordinates().get(corner.coordinate as usize);
+            let st = st.copied().unwrap_or_default().as_vec2();
+            let position = mesh.positions()[corner.position as usize].extend(1.0);
+            let normal = mesh.normals()[corner.normal as usize].as_vec3();
+            FlatCorner {
+                position: centering.apply(position).truncate().extend(st.x).into(),
+                normal: normal.extend(st.y).into(),
+            }
+        };
+        let all = || mesh.triangles().iter().flatten();
+        let corners = if is_flat {
+            let corners = all().map(flat_corner);
+            Buffer::of_values(gl, "corners of flat triangles", 3 * count, corners)?
+        } else {
+            let corners = (0..).zip(mesh.triangles()).flat_map(|(number, own)| {
+                let triangle = model.mesh().triangle(number);
+                [0, 1, 2].map(|k| SmoothCorner {
+                    flat: flat_corner(&own[k]),
                     leaving: triangle.edge_normals[k][0].as_vec3().into(),
                     arriving: triangle.edge_normals[(k + 2) % 3][1].as_vec3().into(),
-                });
+                })
+            });
+            Buffer::of_values(gl, "corners of smooth triangles", 3 * count, corners)?
+        };
+        let colors = (!mesh.colors().is_empty()).then(|| {
+            let colors = all().map(|corner| {
+                let [red, green, blue] = mesh.colors()[corner.position as usize]
+                    .map(|value| (255.0 * value).round() as u8);
+                [red, green, blue, 255]
+            });
+            Buffer::of_values(gl, "colors of corners", 3 * count, colors)
+        });
+        let mut nets = Vec::new();
+        if !is_flat {
+            for number in 0..count as u32 {
+                model.curved(number).with_control_points(|points| nets.extend_from_slice(points));
             }
-            model.curved(number).with_control_points(|points| nets.extend_from_slice(points));
         }
         Ok(Self {
             model: model.clone(),
-            texture,
+            paints,
             centering,
-            corners: Buffer::new(gl, "corners of triangles", &corners)?,
+            corners,
+            colors: colors.transpose()?,
             nets,
             seen: None,
             needs: Vec::new(),
@@ -159,6 +217,11 @@ impl PreparedMesh {
         let mut figures = FrameFigures { patches: triangles, ..FrameFigures::default() };
         let bound = |triangle: usize| {
             let points = self.nets.len() / triangles;
+            if points == 0 {
+                let corners = mesh.mesh().triangles()[triangle]
+                    .map(|corner| mesh.mesh().positions()[corner.position as usize]);
+                return TriangleBound::new(&corners, &to_clip, &screen, &rounding);
+            }
             let net = &self.nets[triangle * points..][..points];
             TriangleBound::new(net, &to_clip, &screen, &rounding)
         };
@@ -195,21 +258,25 @@ impl PreparedMesh {
         self.figures = figures;
     }
 
-    /// Draws of triangles that follow one another, as many vertices each as the driver likes.
+    /// Draws of triangles of one paint that follow one another, as many vertices each as the driver likes.
     fn find_draws(&mut self, draw_size: DrawSize) {
         self.draws.clear();
         let inside = |word: &u32| word >> 24;
         let vertices = |word: &u32| if *word == 0 { 0 } else { vertices_of_triangle(inside(word)) };
         let mut first = 0;
-        while let Some(next) = self.words[first..].iter().position(|word| *word != 0) {
-            first += next;
-            let rest = &self.words[first..];
-            let fitting = parts_of_next_draw(rest.iter().map(vertices), draw_size);
-            let last = rest[..fitting].iter().rposition(|word| *word != 0);
-            let count = last.map_or(fitting, |last| last + 1);
-            let triangles = rest[..count].iter().map(|word| triangles_of_triangle(inside(word)));
-            self.draws.push(Draw { first, count, triangles: triangles.sum() });
-            first += count;
+        for (paint, Painted { end, .. }) in self.paints.iter().enumerate() {
+            while let Some(next) = self.words[first..*end].iter().position(|word| *word != 0) {
+                first += next;
+                let rest = &self.words[first..*end];
+                let fitting = parts_of_next_draw(rest.iter().map(vertices), draw_size);
+                let last = rest[..fitting].iter().rposition(|word| *word != 0);
+                let count = last.map_or(fitting, |last| last + 1);
+                let triangles =
+                    rest[..count].iter().map(|word| triangles_of_triangle(inside(word)));
+                self.draws.push(Draw { first, count, triangles: triangles.sum(), paint });
+                first += count;
+            }
+            first = *end;
         }
         self.figures.draws = self.draws.len();
     }
@@ -228,9 +295,13 @@ impl Renderer {
     ) -> Result<()> {
         let Some(levels) = &mesh.levels else { return Ok(()) };
         let smoothing = mesh.model.smoothing();
-        let (shading, _) = self.look(mesh.model.shading, &mesh.texture, &frame.settings, output);
+        let is_picture = output == Output::Picture;
+        let own = &mesh.paints[0].texture;
+        let (shading, _) = self.look(mesh.model.shading, own, &frame.settings, output);
+        let in_lines = in_lines(&frame.settings, output);
+        let colored = mesh.colors.is_some() && is_picture && !in_lines;
         let key = ProgramKey {
-            pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn },
+            pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },
             shading,
             trims: TrimFeatures::NONE,
             output,
@@ -245,7 +316,7 @@ impl Renderer {
         if let Smoothing::Phong(alpha) = smoothing {
             program.set_f32(location::ALPHA, alpha.get() as f32);
         }
-        if output == Output::Picture {
+        if is_picture {
             if shading == Shading::Phong {
                 program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
             }
@@ -255,11 +326,18 @@ impl Renderer {
         if output == Output::Aovs {
             set_for_aovs(program, frame, &Target::bound(&self.gl));
         }
-        self.look(shading, &mesh.texture, &frame.settings, output).1.bind(0);
         levels.bind(LEVELS_UNIT);
         self.set_state(3, frame.settings.wireframe);
-        self.corners_array.bind(&mesh.corners);
+        let array =
+            if smoothing == Smoothing::None { &self.flat_array } else { &self.corners_array };
+        array.bind(&mesh.corners);
+        array.bind_colors(mesh.colors.as_ref().filter(|_| colored));
+        let mut paint = None;
         for draw in &mesh.draws {
+            if paint.replace(draw.paint) != Some(draw.paint) {
+                let texture = &mesh.paints[draw.paint].texture;
+                self.look(shading, texture, &frame.settings, output).1.bind(0);
+            }
             let feedback = match kept {
                 Some(_) => Some(
                     Feedback::begin(&self.gl, draw.triangles).inspect_err(|_| self.release())?,

@@ -27,14 +27,18 @@ impl PreparedScene {
     /// Trims out of their range, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
         let gl = renderer.gl();
-        let mut textures: Vec<(&Paint, Arc<Texture>)> = Vec::new();
-        let mut texture = |paint| match textures.iter().find(|(other, _)| same(other, paint)) {
-            Some((_, texture)) => Ok(Arc::clone(texture)),
-            None => {
-                let texture = Arc::new(paint.upload(gl)?);
-                textures.push((paint, Arc::clone(&texture)));
-                Result::Ok(texture)
+        let mut textures: Vec<(&Paint, bool, Arc<Texture>)> = Vec::new();
+        let mut texture = |paint, repeats| {
+            let known = textures
+                .iter()
+                .find(|(other, as_well, _)| *as_well == repeats && same(other, paint));
+            if let Some((.., texture)) = known {
+                return Ok(Arc::clone(texture));
             }
+            let texture = paint.upload(gl)?;
+            let texture = Arc::new(if repeats { texture.repeating() } else { texture });
+            textures.push((paint, repeats, Arc::clone(&texture)));
+            Result::Ok(texture)
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
         if !scene.surfaces.is_empty() {
@@ -43,13 +47,13 @@ impl PreparedScene {
                 scene.surfaces.iter().map(Surface::control_points).zip(centerings).collect();
             let uploaded = ControlPoints::upload(gl, &points)?;
             for (surface, points) in scene.surfaces.iter().zip(uploaded) {
-                let texture = texture(&surface.paint)?;
+                let texture = texture(&surface.paint, false)?;
                 surfaces.push(FreeFormSurface::with_points(surface.clone(), texture, points)?);
             }
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
-            meshes.push(PreparedMesh::new(gl, model, texture(&model.paint)?)?);
+            meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
         Ok(Self { surfaces, meshes, drawing: Drawing::default(), figures: FrameFigures::default() })
     }

@@ -116,6 +116,8 @@ pub enum Pipeline {
     Triangles {
         /// Phong tessellation, or else curved PN triangles.
         phong: bool,
+        /// Corners have colours.
+        colored: bool,
     },
     /// Triangles that were made beforehand, with a method's fragment stage.
     Static(Method),
@@ -404,8 +406,9 @@ impl Sources {
                 [("DEGENERATE", degenerate), ("SHARED", shared), ("PIXEL_NORMALS", pixel_normals)];
             defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
         }
-        if key.pipeline == (Pipeline::Triangles { phong: true }) {
-            defines.push(("PHONG_TESSELLATION", 1));
+        if let Pipeline::Triangles { phong, colored } = key.pipeline {
+            let on = [("PHONG_TESSELLATION", phong), ("COLORED", colored)];
+            defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
         }
         if key.output != Output::Picture {
             defines.push(("AOV", 1));

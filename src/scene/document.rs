@@ -8,14 +8,14 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, DVec3, DVec4, EulerRot};
 use toml::Spanned;
 
-use super::file::{line_of, read_text};
+use super::file::{extension, line_of, read_text, unreadable};
 use super::tables::{
     CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
     ShadingName, SmoothingName, SurfaceTable, TrimTable,
 };
 use super::{
     Cull, Image, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene, Surface,
-    TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture,
+    TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture, obj,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
@@ -217,9 +217,14 @@ impl Builder<'_> {
             (Some(points), None) => vec![self.check(points, surface_of_points)?],
             (None, Some(file)) => {
                 let path = self.beside_scene(file.get_ref());
-                let surfaces = self.check(file, |_| bpt::parse(&read_text(&path)?, &path))?;
+                let surfaces = self.check(file, |_| match extension(&path).as_str() {
+                    "obj" => obj::load_surfaces(&path),
+                    _ => bpt::parse(&read_text(&path)?, &path),
+                })?;
+                if extension(&path) != "obj" {
+                    self.from_files += surfaces.len();
+                }
                 self.files.push(path);
-                self.from_files += surfaces.len();
                 surfaces
             }
             _ => {
@@ -288,10 +293,16 @@ impl Builder<'_> {
         let crease = table.crease_degrees.map(|angle| self.check(angle, CreaseAngle::new));
         let crease = self.crease.or(crease.transpose()?).unwrap_or_default();
         let path = self.beside_scene(table.file.get_ref());
-        let mut model =
-            self.check(table.file, |_| MeshModel::load_obj(&path, crease, smoothing))?;
-        self.files.push(path);
+        let (mut model, files) = self.check(table.file, |_| {
+            let obj::ObjScene { model, files, .. } = obj::load(&path, crease, smoothing)?;
+            let without = "it has Bézier surfaces and no face; expected the file of a [[surface]]";
+            Ok((model.ok_or_else(|| unreadable(&path, without))?, files))
+        })?;
+        self.files.extend(files);
         model.level = table.level.map(|level| self.check(level, TessLevel::new)).transpose()?;
+        if table.texture.is_some() || table.color.is_some() {
+            model.materials.clear();
+        }
         model.paint = self.paint(table.texture, table.color, table.shading)?;
         model.shading = table.shading.into();
         model.transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)

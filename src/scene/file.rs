@@ -31,17 +31,24 @@ pub(super) fn check_is_file(path: &Path) -> Result<()> {
     }
 }
 
-/// The text of a scene file, refused by name if it is no file, too large, empty or no UTF-8.
-pub(super) fn read_text(path: &Path) -> Result<String> {
-    let fail = |reason: String| unreadable(path, reason);
+/// The bytes of a file, refused by name if it is no file or too large.
+pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     check_is_file(path)?;
     let mut bytes = Vec::new();
     std::fs::File::open(path)
         .and_then(|file| file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|error| unreadable(path, error))?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(fail(format!("it has more than {MAX_FILE_BYTES} bytes")));
+        return Err(unreadable(path, format!("it has more than {MAX_FILE_BYTES} bytes")));
     }
+    Ok(bytes)
+}
+
+/// The text of a scene file without a byte order mark, refused by name if it is no file, too large, empty or
+/// no UTF-8.
+pub(super) fn read_text(path: &Path) -> Result<String> {
+    let fail = |reason: String| unreadable(path, reason);
+    let bytes = read_bytes(path)?;
     let mut text = String::from_utf8(bytes).map_err(|error| {
         fail(format!("it is not text (byte {})", error.utf8_error().valid_up_to()))
     })?;

@@ -1,5 +1,6 @@
 //! Triangle meshes in a scene.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
@@ -20,10 +21,23 @@ pub struct MeshModel {
     pub level: Option<TessLevel>,
     /// Model space to world space.
     pub transform: DMat4,
-    /// Colour before lighting; a picture is laid on by the mesh's texture coordinates.
+    /// Colour before lighting; a picture is laid on by the mesh's texture coordinates, and repeats.
     pub paint: Paint,
+    /// Triangles with a paint of their own, one range after the other.
+    pub materials: Vec<Material>,
     /// Lighting.
     pub shading: Shading,
+}
+
+/// The paint of some triangles of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Its name in the file.
+    pub name: String,
+    /// Colour before lighting.
+    pub paint: Paint,
+    /// The numbers of the triangles.
+    pub triangles: Range<usize>,
 }
 
 impl MeshModel {
@@ -39,6 +53,7 @@ impl MeshModel {
             level: None,
             transform: DMat4::IDENTITY,
             paint: Paint::default(),
+            materials: Vec::new(),
             shading: Shading::default(),
         }
     }

@@ -1,71 +1,170 @@
-//! Wavefront OBJ: positions, normals, texture coordinates and faces. Everything else, groups and
-//! materials too, is skipped.
+//! Wavefront OBJ: triangle meshes with their materials, and Bézier surfaces.
 //!
 //! The reader is our own because tobj 4.0.5 gives no line with its errors, takes NaN, index 0 of a
 //! normal and faces of two, panics on some indices, reads lines of any length into memory, and
 //! numbers positions group by group, which tears meshes of several groups apart.
 
-use std::io::{BufRead, BufReader, Read as _, Write};
-use std::path::Path;
+mod freeform;
+mod material;
+mod polygon;
+mod reader;
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::{Path, PathBuf};
 
 use glam::{DVec2, DVec3};
 
-use super::bpt::shortened;
 use super::file::{check_is_file, unreadable};
-use crate::bezier::MAX_COORDINATE;
+use super::{Material, Surface};
 use crate::mesh::{SharedBorders, weld};
-use crate::{Corner, CreaseAngle, Error, Mesh, MeshModel, Result, Smoothing};
+use crate::{Corner, CreaseAngle, Mesh, MeshModel, Result, Smoothing};
+use material::Materials;
+use reader::Obj;
 
-/// The longest line, in bytes: a face of some ten thousand corners.
-const MAX_LINE: usize = 1 << 20;
+/// What a file holds.
+pub(super) struct ObjScene {
+    /// Its Bézier surfaces, patches of one degree together.
+    pub(super) surfaces: Vec<Surface>,
+    /// Its faces.
+    pub(super) model: Option<MeshModel>,
+    /// The file itself, its material libraries and their pictures.
+    pub(super) files: Vec<PathBuf>,
+}
+
+/// Reads a file's surfaces and faces; a file without any of them is refused.
+pub(super) fn load(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Result<ObjScene> {
+    let mut obj = open(path)?;
+    let mut materials = Materials::default();
+    for library in std::mem::take(&mut obj.libraries) {
+        materials.read(&material::beside(path, &library));
+    }
+    let names = std::mem::take(&mut obj.material_names);
+    let surfaces = obj.take_surfaces(path)?;
+    let mut files = vec![path.to_owned()];
+    files.append(&mut materials.files);
+    if obj.triangles.is_empty() && !surfaces.is_empty() {
+        return Ok(ObjScene { surfaces, model: None, files });
+    }
+    let (mesh, of_triangles) = mesh_of(obj, path, crease)?;
+    let mut model = MeshModel::new(mesh, smoothing);
+    let shared = model.mesh().shared_borders();
+    if shared != SharedBorders::default() {
+        log::info!("{}: {shared}; they are borders", path.display());
+    }
+    let unknown: Vec<&str> = names
+        .iter()
+        .filter(|name| !name.is_empty() && materials.paint(name).is_none())
+        .map(String::as_str)
+        .collect();
+    if !unknown.is_empty() && !materials.files.is_empty() {
+        let path = path.display();
+        log::warn!("{path}: no material library has {}; it is grey", unknown.join(", "));
+    }
+    for run in of_triangles.chunk_by(|a, b| a.material == b.material) {
+        let name = &names[run[0].material as usize];
+        let Some(paint) = materials.paint(name) else { continue };
+        let last = run[run.len() - 1];
+        let triangles = run[0].first..last.first + last.count;
+        model.materials.push(Material { name: name.clone(), paint: paint.clone(), triangles });
+    }
+    Ok(ObjScene { surfaces, model: Some(model), files })
+}
+
+/// Reads a file's Bézier surfaces; a file without any is refused.
+pub(super) fn load_surfaces(path: &Path) -> Result<Vec<Surface>> {
+    let surfaces = open(path)?.take_surfaces(path)?;
+    if surfaces.is_empty() {
+        return Err(unreadable(path, "it has no Bézier surface; expected the file of a [[mesh]]"));
+    }
+    Ok(surfaces)
+}
+
+/// Triangles in a row of one material.
+#[derive(Debug, Clone, Copy)]
+struct Run {
+    material: u32,
+    first: usize,
+    count: usize,
+}
+
+fn open(path: &Path) -> Result<Obj> {
+    check_is_file(path)?;
+    let file = std::fs::File::open(path).map_err(|error| unreadable(path, error))?;
+    Obj::read(BufReader::with_capacity(1 << 16, file), path)
+}
+
+/// The mesh of what was read, its triangles in the order of their materials.
+fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>)> {
+    if obj.triangles.is_empty() {
+        return Err(unreadable(path, obj.without_faces()));
+    }
+    let Obj { positions, normals, coordinates, colors, mut triangles, mut runs, .. } = obj;
+    let dropped = weld(&positions, &mut triangles);
+    if !dropped.is_empty() {
+        let path = path.display();
+        let count = counted(dropped.len(), "triangle");
+        log::info!("{path}: {count} with the same position twice left out");
+    }
+    if triangles.is_empty() {
+        let reason =
+            format!("all {} have the same position twice", counted(dropped.len(), "triangle"));
+        return Err(unreadable(path, reason));
+    }
+    // What is gone is missed by the material that it had.
+    let mut gone = dropped.iter().map(|triangle| *triangle as usize).peekable();
+    let mut next = 0;
+    for run in &mut runs {
+        let end = run.first + run.count;
+        while gone.next_if(|triangle| *triangle < end).is_some() {
+            run.count -= 1;
+        }
+        run.first = next;
+        next += run.count;
+    }
+    runs.retain(|run| run.count > 0);
+    if !runs.is_sorted_by_key(|run| run.material) {
+        runs.sort_by_key(|run| run.material);
+        let sorted = runs.iter().flat_map(|run| &triangles[run.first..run.first + run.count]);
+        triangles = sorted.copied().collect();
+        let mut next = 0;
+        for run in &mut runs {
+            run.first = next;
+            next += run.count;
+        }
+    }
+    let mesh = Mesh::new(positions, normals, coordinates, triangles, crease)
+        .and_then(|mesh| mesh.with_colors(colors))
+        .map_err(|error| unreadable(path, error))?;
+    Ok((mesh, runs))
+}
+
+/// A number of things: "1 line", "3 surfaces".
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
 
 impl Mesh {
-    /// Reads a Wavefront OBJ file; see [`Mesh::read_obj`].
+    /// Reads the faces of a Wavefront OBJ file; see [`Mesh::read_obj`].
     ///
     /// # Errors
     /// A file that cannot be read or is no mesh; with the line.
     pub fn load_obj(path: &Path, crease: CreaseAngle) -> Result<Self> {
-        check_is_file(path)?;
-        let file = std::fs::File::open(path).map_err(|error| unreadable(path, error))?;
-        Self::read_obj(BufReader::new(file), path, crease)
+        mesh_of(open(path)?, path, crease).map(|(mesh, _)| mesh)
     }
 
-    /// Reads Wavefront OBJ. `path` stands in the errors.
+    /// Reads the faces of Wavefront OBJ, without their materials. `path` stands in the errors.
     ///
-    /// Faces of more than three corners are cut into a fan around their first corner, which takes
-    /// convex ones. Equal positions are made one; triangles that have the same position twice are left out.
-    /// Missing normals are computed up to creases, as in [`Mesh::new`].
+    /// Faces of more than three corners may be concave, and are cut into triangles that keep their edges. Equal
+    /// positions are made one; triangles that have the same position twice are left out. Missing normals are
+    /// computed up to creases, as in [`Mesh::new`]. A byte order mark is skipped, a line that ends in `\` goes
+    /// on, and indices may be of what stands further down.
     ///
     /// # Errors
     /// With the line: a line of more than 1 MiB, a number that is none or not finite, a position
-    /// beyond 1e15, a face of fewer than three corners, an index of 0 or of what does not stand
-    /// above. Without: no triangles, too many of them.
-    pub fn read_obj(mut text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
-        let mut obj = Obj::default();
-        let mut line = Vec::new();
-        for number in 1.. {
-            let fail = |message| Error::Scene { path: path.to_owned(), line: number, message };
-            line.clear();
-            (&mut text)
-                .take(MAX_LINE as u64 + 1)
-                .read_until(b'\n', &mut line)
-                .map_err(|error| unreadable(path, error))?;
-            if line.is_empty() {
-                break;
-            }
-            if line.len() > MAX_LINE {
-                return Err(fail(format!("the line is longer than {MAX_LINE} bytes")));
-            }
-            obj.statement(&String::from_utf8_lossy(&line)).map_err(fail)?;
-        }
-        let Obj { positions, normals, coordinates, mut triangles } = obj;
-        let dropped = weld(&positions, &mut triangles);
-        if dropped > 0 {
-            let path = path.display();
-            log::info!("{path}: {dropped} triangles that have a position twice are left out");
-        }
-        Self::new(positions, normals, coordinates, triangles, crease)
-            .map_err(|error| unreadable(path, error))
+    /// beyond 1e15, a face of fewer than three corners, an index of 0 or of what is not there. Without: no
+    /// face, too many of them.
+    pub fn read_obj(text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
+        mesh_of(Obj::read(text, path)?, path, crease).map(|(mesh, _)| mesh)
     }
 
     /// Writes Wavefront OBJ that reads back as the same numbers.
@@ -73,8 +172,11 @@ impl Mesh {
     /// # Errors
     /// What the writer says.
     pub fn write_obj(&self, out: &mut impl Write) -> std::io::Result<()> {
-        for DVec3 { x, y, z } in self.positions() {
-            writeln!(out, "v {x} {y} {z}")?;
+        for (position, DVec3 { x, y, z }) in self.positions().iter().enumerate() {
+            match self.colors().get(position) {
+                Some([red, green, blue]) => writeln!(out, "v {x} {y} {z} {red} {green} {blue}")?,
+                None => writeln!(out, "v {x} {y} {z}")?,
+            }
         }
         for DVec2 { x, y } in self.coordinates() {
             writeln!(out, "vt {x} {y}")?;
@@ -97,141 +199,4 @@ impl Mesh {
         }
         Ok(())
     }
-}
-
-impl MeshModel {
-    /// Reads a Wavefront OBJ file as [`Mesh::load_obj`] does.
-    ///
-    /// # Errors
-    /// As [`Mesh::load_obj`].
-    pub(super) fn load_obj(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Result<Self> {
-        let model = Self::new(Mesh::load_obj(path, crease)?, smoothing);
-        let shared = model.mesh().shared_borders();
-        if shared != SharedBorders::default() {
-            log::info!("{}: {shared}; they are borders", path.display());
-        }
-        Ok(model)
-    }
-}
-
-/// What was read so far.
-#[derive(Default)]
-struct Obj {
-    positions: Vec<DVec3>,
-    normals: Vec<DVec3>,
-    coordinates: Vec<DVec2>,
-    triangles: Vec<[Corner; 3]>,
-}
-
-impl Obj {
-    /// Reads a line; what is wrong with it is the error.
-    fn statement(&mut self, line: &str) -> Result<(), String> {
-        let line = line.split('#').next().unwrap_or_default();
-        let mut words = line.split_whitespace();
-        match words.next() {
-            Some("v") => {
-                // A weight or a colour may follow.
-                let position = DVec3::from_array(numbers("position", words, 7)?);
-                if position.abs().max_element() > MAX_COORDINATE {
-                    return Err(format!("the position is {position}; expected at most 1e15"));
-                }
-                self.positions.push(position);
-            }
-            Some("vn") => self.normals.push(DVec3::from_array(numbers("normal", words, 3)?)),
-            Some("vt") => {
-                // The second number may be missing, a third may follow.
-                let [u] = numbers("texture coordinate", words.clone(), 3)?;
-                let v = words.nth(1).map_or(Ok(0.0), number)?;
-                self.coordinates.push(DVec2::new(u, v));
-            }
-            Some("f") => self.face(words)?,
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn face<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Result<(), String> {
-        let mut corners = words.map(|word| self.corner(word));
-        let too_few = |count| format!("the face has {count} corners; expected at least 3");
-        let first = corners.next().ok_or_else(|| too_few(0))??;
-        let mut before = corners.next().ok_or_else(|| too_few(1))??;
-        let mut fan = Vec::new();
-        for corner in corners {
-            let corner = corner?;
-            fan.push([first, before, corner]);
-            before = corner;
-        }
-        if fan.is_empty() {
-            return Err(too_few(2));
-        }
-        if self.triangles.len() + fan.len() > Mesh::MAX_TRIANGLES {
-            return Err(format!("there are more than {} triangles", Mesh::MAX_TRIANGLES));
-        }
-        self.triangles.append(&mut fan);
-        Ok(())
-    }
-
-    /// A corner: `position`, `position/coordinate`, `position//normal` or
-    /// `position/coordinate/normal`.
-    fn corner(&self, word: &str) -> Result<Corner, String> {
-        let mut parts = word.split('/');
-        let mut index = |what: &str, count: usize| match parts.next() {
-            None | Some("") => Ok(Corner::NONE),
-            Some(text) => index(text, what, count),
-        };
-        let corner = Corner {
-            position: index("position", self.positions.len())?,
-            coordinate: index("texture coordinate", self.coordinates.len())?,
-            normal: index("normal", self.normals.len())?,
-        };
-        if corner.position == Corner::NONE || parts.next().is_some() {
-            return Err(format!(
-                "\"{}\" is no corner of a face; expected position/texture/normal",
-                shortened(word)
-            ));
-        }
-        Ok(corner)
-    }
-}
-
-/// An index from 0 of an index from 1, or of one from −1 that counts backwards.
-fn index(text: &str, what: &str, count: usize) -> Result<u32, String> {
-    let number: i64 = text.parse().map_err(|_| format!("\"{}\" is no index", shortened(text)))?;
-    let count = count as i64;
-    let index = if number < 0 { count + number } else { number - 1 };
-    if (0..count).contains(&index) {
-        return Ok(index as u32);
-    }
-    let expected = match count {
-        0 => "but none stands above".to_owned(),
-        _ => format!("expected 1 to {count}, or −1 to −{count} from the last above"),
-    };
-    Err(format!("index {number} of a {what}; {expected}"))
-}
-
-/// The first numbers of a line that has so many at most.
-fn numbers<'a, const N: usize>(
-    what: &str,
-    words: impl Iterator<Item = &'a str>,
-    most: usize,
-) -> Result<[f64; N], String> {
-    let mut values = [0.0; N];
-    let mut count = 0;
-    for word in words {
-        let value = number(word)?;
-        if let Some(place) = values.get_mut(count) {
-            *place = value;
-        }
-        count += 1;
-    }
-    if (N..=most).contains(&count) {
-        Ok(values)
-    } else {
-        Err(format!("the {what} has {count} numbers; expected {N}"))
-    }
-}
-
-fn number(word: &str) -> Result<f64, String> {
-    let number: Option<f64> = word.parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| format!("\"{}\" is no finite number", shortened(word)))
 }

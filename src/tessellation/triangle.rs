@@ -54,8 +54,8 @@ pub(crate) struct TriangleBound {
 }
 
 impl TriangleBound {
-    /// From the 10 control points of a PN triangle or the 6 of a Phong triangle; none if it is out of
-    /// sight.
+    /// From the 10 control points of a PN triangle, the 6 of a Phong triangle or the 3 of a flat one; none if
+    /// it is out of sight.
     pub(crate) fn new(
         points: &[DVec3],
         to_clip: &DMat4,
@@ -84,8 +84,11 @@ impl TriangleBound {
             };
             Seen::new(screen, least_w, [range(0), range(1)])
         };
-        let (rows, second): (&[[usize; 3]], f64) =
-            if points.len() == 10 { (&CUBIC, 6.0) } else { (&QUADRATIC, 2.0) };
+        let (rows, second): (&[[usize; 3]], f64) = match points.len() {
+            10 => (&CUBIC, 6.0),
+            6 => (&QUADRATIC, 2.0),
+            _ => (&[], 0.0),
+        };
         let bend = |[a, b, c]: &[usize; 3]| {
             let bend = (clip[*a] - clip[*b]) - (clip[*b] - clip[*c]);
             seen.squared_in_clip([bend.x, bend.y, bend.w])

@@ -1,0 +1,186 @@
+//! Free-form surfaces of OBJ files: Bézier patches of 4×4 and 5×5 points.
+
+use std::collections::BTreeMap;
+
+use glam::{DVec3, DVec4};
+
+use crate::{Degree, Surface};
+
+/// What is known of free-form statements so far.
+#[derive(Debug, Default)]
+pub(super) struct FreeForm {
+    /// `cstype`: whether weights count, and what kind of curves there are.
+    rational: bool,
+    kind: String,
+    /// `deg`.
+    degrees: [usize; 2],
+    /// Control points of the surface that was begun.
+    points: Option<Vec<i64>>,
+    /// How many parameters `parm u` and `parm v` have.
+    parameters: [usize; 2],
+    patches: Vec<Patch>,
+    /// What is not drawn, and how often it stands there.
+    left_out: BTreeMap<String, usize>,
+}
+
+/// Numbers of control points, from 0, row by row, u along a row.
+#[derive(Debug)]
+struct Patch {
+    line: usize,
+    degree: Degree,
+    rational: bool,
+    points: Vec<u32>,
+}
+
+impl FreeForm {
+    /// Takes a statement; whether it is one of these. `count` positions stand above.
+    ///
+    /// # Errors
+    /// A surface whose control points are not those of its degrees and parameters.
+    pub(super) fn statement<'a>(
+        &mut self,
+        name: &str,
+        words: &mut impl Iterator<Item = &'a str>,
+        count: usize,
+        line: usize,
+    ) -> Result<bool, String> {
+        match name {
+            "cstype" => {
+                let kind = words.next().unwrap_or_default();
+                self.rational = kind == "rat";
+                let kind = if self.rational { words.next().unwrap_or_default() } else { kind };
+                self.kind = kind.to_owned();
+            }
+            "deg" => {
+                let mut degree =
+                    || words.next().map_or(Ok(0), str::parse).map_err(|_| "deg has no degrees");
+                self.degrees = [degree()?, degree()?];
+            }
+            "surf" => {
+                // Four ends of the parameters come first.
+                let corners = words.skip(4).map(|word| {
+                    let index = word.split('/').next().unwrap_or_default();
+                    let index: i64 =
+                        index.parse().map_err(|_| format!("\"{index}\" is no index"))?;
+                    Ok(if index < 0 { count as i64 + index } else { index - 1 })
+                });
+                self.points = Some(corners.collect::<Result<_, String>>()?);
+                self.parameters = [0; 2];
+            }
+            "parm" => {
+                let axis = usize::from(words.next() == Some("v"));
+                self.parameters[axis] = words.count();
+            }
+            "curv" | "curv2" => self.leave_out("curve"),
+            "trim" | "hole" | "scrv" if self.points.is_some() => {
+                self.leave_out("trimming statement")
+            }
+            "trim" | "hole" | "scrv" | "sp" | "vp" | "bmat" | "step" | "con" | "ctech"
+            | "stech" | "bzp" | "bsp" | "cdc" | "cdp" | "res" => {}
+            "end" => {
+                if let Some(points) = self.points.take() {
+                    self.surface(points, line)?;
+                }
+            }
+            _ => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    fn leave_out(&mut self, what: impl Into<String>) {
+        *self.left_out.entry(what.into()).or_default() += 1;
+    }
+
+    /// Cuts a surface into its patches.
+    fn surface(&mut self, points: Vec<i64>, line: usize) -> Result<(), String> {
+        let [u, v] = self.degrees;
+        let degree = match (self.kind.as_str(), u, v) {
+            ("bezier", 3, 3) => Degree::Cubic,
+            ("bezier", 4, 4) => Degree::Quartic,
+            ("bezier", ..) => {
+                self.leave_out(format!("Bézier surface of degrees {u} and {v}"));
+                return Ok(());
+            }
+            (kind, ..) => {
+                self.leave_out(format!("{kind} surface"));
+                return Ok(());
+            }
+        };
+        let patches = self.parameters.map(|count| count.saturating_sub(1).max(1));
+        let [columns, rows] = patches.map(|patches| patches * u + 1);
+        if points.len() != columns * rows {
+            return Err(format!(
+                "the surface has {} control points; its degrees and parameters expect {columns}×{rows}",
+                points.len()
+            ));
+        }
+        let points: Vec<u32> =
+            points.into_iter().map(|point| u32::try_from(point).unwrap_or(u32::MAX)).collect();
+        let side = u + 1;
+        for (row, column) in
+            (0..patches[1]).flat_map(|row| (0..patches[0]).map(move |column| (row, column)))
+        {
+            let at = |i: usize| points[(row * u + i / side) * columns + column * u + i % side];
+            let points = (0..side * side).map(at).collect();
+            self.patches.push(Patch { line, degree, rational: self.rational, points });
+        }
+        Ok(())
+    }
+
+    /// How many patches there are.
+    pub(super) fn patches(&self) -> usize {
+        self.patches.len()
+    }
+
+    /// What is not drawn, in words: "2 bspline surfaces".
+    pub(super) fn left_out(&self) -> Vec<String> {
+        let mut what = Vec::new();
+        for (name, count) in &self.left_out {
+            what.push(super::counted(*count, name));
+        }
+        what
+    }
+
+    /// The patches as surfaces, patches of one degree together; none if there are none.
+    ///
+    /// # Errors
+    /// The line of a control point that is not there or has no weight above 0, and what is wrong.
+    pub(super) fn surfaces(
+        self,
+        positions: &[DVec3],
+        weights: &[f64],
+    ) -> Result<Vec<Surface>, (usize, String)> {
+        let mut points: [Vec<DVec4>; 2] = Default::default();
+        for Patch { line, degree, rational, points: indices } in self.patches {
+            for index in indices {
+                let position = positions.get(index as usize).ok_or_else(|| {
+                    let expected = format!("expected 1 to {}", positions.len());
+                    (line, format!("a control point of the surface is no position; {expected}"))
+                })?;
+                let weight = if rational {
+                    weights.get(index as usize).copied().unwrap_or(1.0)
+                } else {
+                    1.0
+                };
+                if weight.is_nan() || weight <= 0.0 {
+                    let number = index + 1;
+                    return Err((
+                        line,
+                        format!("the weight of position {number} is {weight}; expected above 0"),
+                    ));
+                }
+                points[usize::from(degree == Degree::Quartic)].push(position.extend(weight));
+            }
+        }
+        let [cubic, quartic] = points;
+        let mut surfaces = Vec::new();
+        for (degree, points) in [(Degree::Cubic, cubic), (Degree::Quartic, quartic)] {
+            if !points.is_empty() {
+                let surface =
+                    Surface::new(degree, points).map_err(|error| (1, error.to_string()))?;
+                surfaces.push(surface);
+            }
+        }
+        Ok(surfaces)
+    }
+}
