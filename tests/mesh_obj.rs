@@ -51,15 +51,17 @@ fn computed_normals_are_weighted_by_angle() {
 }
 
 #[test]
-fn equal_positions_are_one_unless_an_edge_would_have_three_triangles() {
+fn equal_positions_are_one() {
     let twice = format!("{SQUARE}v -0 0 0\nv 1 1 0\nf 1 2 3\nf 5 6 4\n");
     assert_eq!(positions(&read(&twice).unwrap()), [[0, 1, 2], [0, 2, 3]]);
-    // Three sheets that touch in one edge stay apart.
+    // Also where sheets touch in one edge.
     let sheets = format!("{twice}v 0 0 0\nv 1 1 0\nv 0 0 5\nf 7 8 9\n");
-    assert_eq!(positions(&read(&sheets).unwrap()), [[0, 1, 2], [4, 5, 3], [6, 7, 8]]);
+    assert_eq!(positions(&read(&sheets).unwrap()), [[0, 1, 2], [0, 2, 3], [0, 2, 8]]);
     // What has twice the same position is left out.
     let line = format!("{twice}f 1 5 2\nf 1 1 3\n");
     assert_eq!(positions(&read(&line).unwrap()).len(), 2);
+    let nothing = read(&format!("{SQUARE}f 1 1 3\n")).unwrap_err().to_string();
+    assert!(nothing.contains("of 1 triangle each has the same position twice"), "{nothing}");
 }
 
 #[test]
@@ -87,9 +89,9 @@ fn bad_files_are_refused_with_their_line() {
         (square("vn 1 inf 2"), ["x.obj:7:", "\"inf\""]),
         (square("vt"), ["x.obj:7:", "the texture coordinate has 0 numbers"]),
         (square("vt 1 nan"), ["x.obj:7:", "\"nan\""]),
-        ("f 1 2 3".into(), ["x.obj:1:", "index 1 of a position; but none stands above"]),
-        (SQUARE.into(), ["x.obj", "number of triangles is 0"]),
-        (String::new(), ["x.obj", "number of triangles is 0"]),
+        ("f 1 2 3".into(), ["x.obj:1:", "index 1 of a position; but there is none"]),
+        (SQUARE.into(), ["x.obj", "it has 4 positions, no face"]),
+        (String::new(), ["x.obj", "it has no face"]),
     ] {
         let error = read(&text).unwrap_err().to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{text}: {error}");
@@ -200,8 +202,7 @@ fn what_is_wrong_with_a_mesh_of_a_scene_is_said_with_file_and_line() {
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("good.obj", &format!("{SQUARE}f 1 2 3 4\n"));
     write("bad.obj", &format!("{SQUARE}f 1 2 9\n"));
-    // Three triangles at one edge.
-    write("fan.obj", &format!("{SQUARE}v 0 0 1\nv 0 0 2\nf 1 2 3\nf 1 2 5\nf 1 2 6\n"));
+    write("curve.obj", &format!("{SQUARE}cstype bspline\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nend\n"));
     let read = |mesh: &str| {
         let text = format!("[render]\nlevel = 2\n\n[[mesh]]\n{mesh}\n");
         Scene::from_toml(&text, &folder.path().join("scene.toml"))
@@ -220,7 +221,7 @@ fn what_is_wrong_with_a_mesh_of_a_scene_is_said_with_file_and_line() {
         ("smoothing = \"pn\"".into(), 4, ["missing", "file", "scene.toml"]),
         ("file = \"none.obj\"".into(), 5, ["none.obj", "No such file", "read"]),
         ("file = \"bad.obj\"".into(), 5, ["bad.obj", "5", "9"]),
-        ("file = \"fan.obj\"".into(), 5, ["fan.obj", "edge between vertices 1", "3 triangles"]),
+        ("file = \"curve.obj\"".into(), 5, ["curve.obj", "1 bspline surface", "no face"]),
     ] {
         let text = read(&mesh).unwrap_err().to_string();
         let place = format!("scene.toml:{line}: ");

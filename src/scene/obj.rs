@@ -107,7 +107,7 @@ fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>
     }
     if triangles.is_empty() {
         let reason =
-            format!("all {} have the same position twice", counted(dropped.len(), "triangle"));
+            format!("of {} each has the same position twice", counted(dropped.len(), "triangle"));
         return Err(unreadable(path, reason));
     }
     // What is gone is missed by the material that it had.

@@ -141,17 +141,17 @@ impl FreeForm {
         what
     }
 
-    /// The patches as surfaces, patches of one degree together; none if there are none.
+    /// Takes the patches as surfaces, patches of one degree together; none if there are none.
     ///
     /// # Errors
     /// The line of a control point that is not there or has no weight above 0, and what is wrong.
-    pub(super) fn surfaces(
-        self,
+    pub(super) fn take_surfaces(
+        &mut self,
         positions: &[DVec3],
         weights: &[f64],
     ) -> Result<Vec<Surface>, (usize, String)> {
         let mut points: [Vec<DVec4>; 2] = Default::default();
-        for Patch { line, degree, rational, points: indices } in self.patches {
+        for Patch { line, degree, rational, points: indices } in std::mem::take(&mut self.patches) {
             for index in indices {
                 let position = positions.get(index as usize).ok_or_else(|| {
                     let expected = format!("expected 1 to {}", positions.len());

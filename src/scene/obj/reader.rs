@@ -69,7 +69,7 @@ impl Obj {
                     return Err(fail(format!("the line is longer than {MAX_LINE} bytes")));
                 }
                 number += usize::from(line.len() > before);
-                if line.len() == before || !goes_on(&mut line) {
+                if line.len() == before || !goes_on(&mut line, before) {
                     break;
                 }
             }
@@ -279,18 +279,19 @@ impl Obj {
 
     /// The Bézier surfaces.
     pub(super) fn take_surfaces(&mut self, path: &Path) -> Result<Vec<Surface>> {
-        std::mem::take(&mut self.free_form)
-            .surfaces(&self.positions, &self.weights)
+        self.free_form
+            .take_surfaces(&self.positions, &self.weights)
             .map_err(|(line, message)| Error::Scene { path: path.to_owned(), line, message })
     }
 }
 
-/// Whether a line is continued by the next one; takes the mark and the line's end away.
-fn goes_on(line: &mut Vec<u8>) -> bool {
+/// Whether what was read of a line from a place on is continued by the next one; takes the mark and the
+/// line's end away.
+fn goes_on(line: &mut Vec<u8>, from: usize) -> bool {
     let end = line.trim_ascii_end().len();
     let ends_in_mark = line[..end].last() == Some(&b'\\') && line.last() == Some(&b'\n');
     // A comment may end in a path of Windows.
-    let goes_on = ends_in_mark && !line.contains(&b'#');
+    let goes_on = ends_in_mark && !line[from..].contains(&b'#');
     if goes_on {
         line.truncate(end - 1);
         line.push(b' ');
