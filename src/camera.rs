@@ -10,9 +10,14 @@ use crate::{Error, Result};
 
 /// How far a framed scene stays away from the picture's border: 1 would touch it.
 const FRAME_MARGIN: f64 = 1.06;
-/// The nearest clip plane, as a part of the farthest: nearer wastes the depth buffer's precision,
-/// farther cuts scenes that the eye is inside of.
-const NEAR_OVER_FAR: f64 = 1e-4;
+/// The nearest clip plane of a scene that the eye is inside of, as a part of the farthest: nearer costs
+/// triangles, farther cuts what is near.
+const NEAR_WITHIN: f64 = 1e-4;
+/// The nearest clip plane at all, as a part of the farthest.
+const NEAR_AT_LEAST: f64 = 1e-9;
+/// From which distance of the clip planes on, as the farther over the nearer, depth is written as the distance
+/// itself: the usual depth has too few digits for it.
+const FAR_OVER_NEAR: f64 = 30.0;
 
 /// How depth turns into size on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +50,31 @@ pub struct Projection {
     pub view: DMat4,
     /// View space to clip space.
     pub projection: DMat4,
+}
+
+impl Projection {
+    /// What the distance along the view axis is multiplied by to become a depth from 0 to 1, if the clip planes of
+    /// a perspective are so far apart that this is needed; else depth is OpenGL's.
+    pub(crate) fn depth_scale(&self) -> Option<f64> {
+        let (z, w) = (self.projection.row(2), self.projection.row(3));
+        if (w.z, w.w) != (-1.0, 0.0) {
+            return None;
+        }
+        let (nearest, farthest) = (z.w / (z.z - 1.0), z.w / (z.z + 1.0));
+        let is_far = nearest > 0.0 && farthest > FAR_OVER_NEAR * nearest;
+        (is_far && farthest.is_finite()).then(|| 1.0 / farthest)
+    }
+
+    /// The projection as the driver gets it: where depth is written by the distance, its far plane is at
+    /// infinity, which rounding to `f32` cannot move before anything.
+    pub(crate) fn for_driver(&self) -> DMat4 {
+        let mut projection = self.projection;
+        if self.depth_scale().is_some() {
+            let nearest = projection.w_axis.z / (projection.z_axis.z - 1.0);
+            (projection.z_axis.z, projection.w_axis.z) = (-1.0, -2.0 * nearest);
+        }
+        projection
+    }
 }
 
 impl Camera {
@@ -190,10 +220,22 @@ impl Camera {
     pub fn projection(&self, points: impl Iterator<Item = DVec3>, aspect: f64) -> Projection {
         let view = look_at_mat4(self.eye, self.target, self.up);
         let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
+        // The nearest point that may be in the picture or beside it.
+        let mut nearest_seen = f64::INFINITY;
+        let slopes = match self.lens {
+            Lens::Perspective { fov_y_radians } => {
+                DVec2::new(aspect, 1.0) * (2.0 * (0.5 * fov_y_radians).tan())
+            }
+            Lens::Orthographic { .. } => DVec2::INFINITY,
+        };
         for point in points {
-            let depth = -view.transform_point3(point).z;
+            let seen = view.transform_point3(point);
+            let depth = -seen.z;
             nearest = nearest.min(depth);
             farthest = farthest.max(depth);
+            if depth > 0.0 && seen.truncate().abs().cmple(slopes * depth).all() {
+                nearest_seen = nearest_seen.min(depth);
+            }
         }
         if !(nearest.is_finite() && farthest.is_finite()) {
             (nearest, farthest) = (0.1, 10.0);
@@ -204,11 +246,17 @@ impl Camera {
             Lens::Orthographic { height } => farthest.abs().max(height),
         };
         let size = (farthest - nearest).max(1e-3 * least);
+        let in_front = nearest;
         let (nearest, farthest) = (nearest - 0.01 * size, farthest + 0.01 * size);
         let projection = match self.lens {
             Lens::Perspective { fov_y_radians } => {
                 let farthest = if farthest > 0.0 { farthest } else { 1.0 };
-                let nearest = nearest.max(farthest * NEAR_OVER_FAR);
+                let nearest = if in_front > 0.0 {
+                    nearest.max(0.99 * in_front)
+                } else {
+                    (0.5 * nearest_seen).min(NEAR_WITHIN * farthest)
+                };
+                let nearest = nearest.max(farthest * NEAR_AT_LEAST);
                 opengl::perspective(fov_y_radians, aspect, nearest, farthest)
             }
             Lens::Orthographic { height } => {

@@ -42,6 +42,9 @@ pub struct Measurement {
     /// Pixels that are not drawn although they are [`Cover::Inside`] and the surface has no gap, however
     /// narrow, within 1.5 pixels or the scene's tolerance: some of [`Measurement::silhouette_pixels`].
     pub crack_pixels: usize,
+    /// Pixels that show something although a surface is nearer at all pixels around them, two on each side: by
+    /// more than its distances differ there, and a ten thousandth of the distance.
+    pub hidden_pixels: usize,
     /// NaN and infinite numbers in all AOVs, and patches that do not exist.
     pub bad_values: usize,
     /// Pixels that are drawn.
@@ -68,6 +71,7 @@ impl Measurement {
             normal_error_deg: self.normal_error_deg.max(other.normal_error_deg),
             silhouette_pixels: self.silhouette_pixels + other.silhouette_pixels,
             crack_pixels: self.crack_pixels + other.crack_pixels,
+            hidden_pixels: self.hidden_pixels + other.hidden_pixels,
             bad_values: self.bad_values + other.bad_values,
             covered,
             expected: self.expected + other.expected,
@@ -89,7 +93,8 @@ pub fn measure(
     reference: &Coverage,
 ) -> Measurement {
     assert_eq!(aovs.size, reference.size, "sizes of the measured picture and the reference");
-    let mut all = measure_drawn(scene, projection, aovs);
+    let mut distances = vec![f64::NEG_INFINITY; aovs.uv.len()];
+    let mut all = measure_points(scene, projection, aovs, |i, distance| distances[i] = distance);
     for (i, (cover, uv)) in reference.pixels.iter().zip(&aovs.uv).enumerate() {
         let drawn = uv[3] != 0.0;
         all.expected += usize::from(cover.covered());
@@ -98,14 +103,42 @@ pub fn measure(
         all.crack_pixels += usize::from(
             !drawn && *cover == Cover::Inside && !shows_a_gap(scene, projection, aovs.size, pixel),
         );
+        all.hidden_pixels += usize::from(drawn && is_hidden(reference, distances[i], pixel));
     }
     all
+}
+
+/// Whether a point of a pixel lies behind the nearest surface of all pixels around it, two on each side, by more
+/// than the surface itself goes back there.
+fn is_hidden(reference: &Coverage, shown: f64, [x, y]: [u32; 2]) -> bool {
+    /// Of the distance: what is nearer together may change places by rounding.
+    const MARGIN: f64 = 1e-4;
+    let (width, height) = reference.size;
+    let at = |x: u32, y: u32| (y * width + x) as usize;
+    let around = (y.saturating_sub(2)..(y + 3).min(height))
+        .flat_map(|y| (x.saturating_sub(2)..(x + 3).min(width)).map(move |x| (x, y)));
+    let (least, most) = around
+        .map(|(x, y)| reference.distances[at(x, y)])
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), distance| {
+            (least.min(distance), most.max(distance))
+        });
+    shown - most > most - least + MARGIN * most.abs()
 }
 
 /// Measures what is drawn in a picture of a scene, as [`measure()`] does, but not what is missing: without
 /// a reference nothing is said of silhouettes and cracks.
 #[must_use]
 pub fn measure_drawn(scene: &Scene, projection: &Projection, aovs: &Aovs) -> Measurement {
+    measure_points(scene, projection, aovs, |_, _| {})
+}
+
+/// Measures what is drawn, and hands on how far along the view axis the points are that pixels claim to show.
+fn measure_points(
+    scene: &Scene,
+    projection: &Projection,
+    aovs: &Aovs,
+    mut with_distance: impl FnMut(usize, f64),
+) -> Measurement {
     let patches: Vec<Seen<'_>> =
         scene.surfaces.iter().flat_map(|surface| Seen::of(surface, projection)).collect();
     let mut all = Measurement { bad_values: count_bad(aovs), ..Measurement::default() };
@@ -119,6 +152,7 @@ pub fn measure_drawn(scene: &Scene, projection: &Projection, aovs: &Aovs) -> Mea
             let width = aovs.size.0 as usize;
             let center = DVec2::new((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
             let [x, y, z, _] = aovs.normal[i].map(f64::from);
+            with_distance(i, patch.distance(u, v));
             patch.errors(u, v, (center, size), DVec3::new(x, y, z))
         } else {
             all.bad_values += usize::from(number.is_finite());
@@ -155,6 +189,7 @@ fn count_bad(aovs: &Aovs) -> usize {
 /// A patch as a picture sees it.
 struct Seen<'a> {
     patch: Patch<'a>,
+    to_view: DMat4,
     to_clip: DMat4,
     /// Model space to world space, for tangents.
     to_world: DMat3,
@@ -164,7 +199,8 @@ struct Seen<'a> {
 
 impl<'a> Seen<'a> {
     fn of(surface: &'a Surface, projection: &Projection) -> impl Iterator<Item = Self> {
-        let to_clip = projection.projection * projection.view * surface.transform;
+        let to_view = projection.view * surface.transform;
+        let to_clip = projection.projection * to_view;
         let to_world = DMat3::from_mat4(surface.transform);
         surface.patches().map(move |patch| {
             let side = patch.degree().side();
@@ -179,8 +215,13 @@ impl<'a> Seen<'a> {
                     along_u.into_iter().chain(along_v)
                 })
                 .fold(0.0, f64::max);
-            Self { patch, to_clip, to_world, tangent: longest * (side - 1) as f64 }
+            Self { patch, to_view, to_clip, to_world, tangent: longest * (side - 1) as f64 }
         })
+    }
+
+    /// How far along the view axis a point is.
+    fn distance(&self, u: f64, v: f64) -> f64 {
+        -self.to_view.transform_point3(self.patch.at(u, v).position).z
     }
 
     /// How far the point is from a pixel's centre, in pixels, and the angle between its normal and
@@ -276,6 +317,31 @@ mod tests {
             ..all
         };
         assert_eq!(counts, none);
+    }
+
+    #[test]
+    fn what_is_hidden_by_a_nearer_surface_is_found() {
+        let (mut scene, projection) = square();
+        // The lower half of the square again, nearer by half of the distance to the eye.
+        let mut nearer = scene.surfaces[0].clone();
+        nearer.transform =
+            DMat4::from_translation(dvec3(0.0, 0.0, 0.5)) * DMat4::from_scale(dvec3(1.0, 0.5, 1.0));
+        scene.surfaces.push(nearer);
+        let size = UVec2::splat(SIDE as u32);
+        // From the eye of a perspective one unit is 20 pixels at distance 1.
+        let eye = dvec3(0.5, 0.5, 1.0);
+        let lens = Lens::Perspective { fov_y_radians: 2.0 * 1_f64.atan() };
+        let camera = Camera::new(eye, eye - DVec3::Z, DVec3::Y, lens).unwrap();
+        let perspective =
+            camera.projection(scene.surfaces.iter().flat_map(Surface::world_points), 1.0);
+        // Of the rows and columns that are nearer, 10 and 20, those within two pixels of the border do not count;
+        // in perspective it reaches beyond the square but for its upper border.
+        for (seen, expected) in [(projection, 16 * 6), (perspective, 20 * 8)] {
+            let reference = coverage(&scene, &seen, size, Method::Exact).unwrap();
+            let found = measure(&scene, &seen, &aovs_of_square(), &reference);
+            assert_eq!(found.hidden_pixels, expected);
+        }
+        assert_eq!(measured(&aovs_of_square()).hidden_pixels, 0);
     }
 
     #[test]
@@ -393,6 +459,7 @@ mod tests {
             normal_error_deg: 3.0,
             silhouette_pixels: 4,
             crack_pixels: 1,
+            hidden_pixels: 3,
             bad_values: 2,
             covered: 100,
             expected: 101,
@@ -412,6 +479,7 @@ mod tests {
             normal_error_deg: 9.0,
             silhouette_pixels: 8,
             crack_pixels: 2,
+            hidden_pixels: 6,
             bad_values: 4,
             covered: 400,
             expected: 202,

@@ -221,10 +221,12 @@ impl Renderer {
             shading,
             trims: trims.features(surface.trims()),
             output,
+            far_depth: frame.projection.depth_scale().is_some(),
         };
         self.program(key)?;
         let program = &self.programs[&key];
         program.bind();
+        set_depth(program, frame.projection.depth_scale());
         set_matrices(program, &surface.points_to_world(), &frame.projection);
         let parts = Parts::of(settings.tessellation.level());
         program.set_f32(location::TESS_LEVEL, parts.level as f32);
@@ -277,6 +279,7 @@ impl Renderer {
     ) -> Result<()> {
         let Some(parts) = drawing.parts() else { return Ok(()) };
         let settings = &frame.settings;
+        let depth_scale = frame.projection.depth_scale();
         let aov = output == Output::Aovs;
         let key = |batch: &Batch| ProgramKey {
             pipeline: Pipeline::Exact {
@@ -289,6 +292,7 @@ impl Renderer {
             shading: if in_lines(settings, output) { Shading::Unlit } else { batch.shading },
             trims: batch.trims,
             output,
+            far_depth: depth_scale.is_some(),
         };
         // Before anything is bound: a program may be refused.
         let mut last = None;
@@ -305,6 +309,7 @@ impl Renderer {
                 let surface = &surfaces[batch.surface];
                 let program = &self.programs[&key(batch)];
                 program.bind();
+                set_depth(program, depth_scale);
                 let (shading, texture) =
                     self.look(batch.shading, surface.texture(), settings, output);
                 if shading == Shading::Phong && !aov {
@@ -375,6 +380,7 @@ impl Renderer {
             shading: Shading::Unlit,
             trims: TrimFeatures::NONE,
             output: Output::Picture,
+            far_depth: false,
         })?;
         program.bind();
         set_matrices(program, &surface.points_to_world(), &frame.projection);
@@ -416,6 +422,13 @@ fn in_lines(settings: &RenderSettings, output: Output) -> bool {
     settings.wireframe && settings.red_lines && output == Output::Picture
 }
 
+/// Sets what the distance becomes a depth by, if depth is written so.
+fn set_depth(program: &Program, depth_scale: Option<f64>) {
+    if let Some(scale) = depth_scale {
+        program.set_f32(location::DEPTH_SCALE, scale as f32);
+    }
+}
+
 fn set_for_aovs(program: &Program, frame: &Frame, target: &Target) {
     let to_world = frame.projection.view.inverse().as_mat4();
     program.set_mat4(location::VIEW_TO_WORLD, &to_world);
@@ -437,5 +450,5 @@ fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
 fn set_matrices(program: &Program, model: &DMat4, projection: &Projection) {
     program.set_mat4(location::MODEL, &model.as_mat4());
     program.set_mat4(location::VIEW, &projection.view.as_mat4());
-    program.set_mat4(location::PROJECTION, &projection.projection.as_mat4());
+    program.set_mat4(location::PROJECTION, &projection.for_driver().as_mat4());
 }

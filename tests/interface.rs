@@ -60,6 +60,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
                 shading: Shading::Phong,
                 trims: TrimFeatures::ALL,
                 output: Output::Picture,
+                far_depth: false,
             };
             let program = Sources::default().link(context.gl(), key).unwrap();
             for (name, place) in [
@@ -105,6 +106,7 @@ fn the_report_program_has_the_names_of_the_report() {
             shading: Shading::Unlit,
             trims: TrimFeatures::default(),
             output: Output::Picture,
+            far_depth: false,
         };
         let program = Sources::default().link(context.gl(), key).unwrap();
         for (name, place) in [
@@ -131,6 +133,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
             shading: Shading::Phong,
             trims,
             output: Output::Picture,
+            far_depth: false,
         };
         Sources::default().link(context.gl(), key).unwrap()
     };
@@ -166,7 +169,8 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
             (Pipeline::Thesis(Degree::Cubic), Shading::Unlit),
             (Pipeline::Report, Shading::Unlit),
         ] {
-            let key = ProgramKey { pipeline, shading, trims, output: Output::Picture };
+            let key =
+                ProgramKey { pipeline, shading, trims, output: Output::Picture, far_depth: false };
             Sources::default().link(context.gl(), key).unwrap_or_else(|e| panic!("{key:?}: {e}"));
         }
     }
@@ -194,7 +198,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
         ] {
             let shared = has(4);
             let pipeline = Pipeline::Exact { degree, samples, degenerate, shared, normals };
-            let key = ProgramKey { pipeline, shading, trims, output };
+            let key = ProgramKey { pipeline, shading, trims, output, far_depth: false };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));
@@ -220,6 +224,7 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
         shading: Shading::Phong,
         trims: TrimFeatures::ALL,
         output: Output::Picture,
+        far_depth: false,
     };
     let sources =
         Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");

@@ -274,10 +274,17 @@ fn every_scene_is_within_its_tolerance_from_everywhere() {
                 }
                 let found = measure(&scene, &projection, &aovs, &reference);
                 let Measurement {
-                    max_error_px, normal_error_deg, crack_pixels, bad_values, ..
+                    max_error_px,
+                    normal_error_deg,
+                    crack_pixels,
+                    hidden_pixels,
+                    bad_values,
+                    ..
                 } = found;
                 let right = max_error_px <= tolerance && normal_error_deg <= MOST_DEGREES;
-                if !right || crack_pixels > 0 || bad_values > 0 {
+                // Triangles are near the surface on the screen; in depth two of them may change places.
+                let hidden = 1000 * hidden_pixels > found.covered;
+                if !right || crack_pixels + bad_values > 0 || hidden {
                     let name = path.file_name().unwrap().to_string_lossy();
                     wrong.push(format!("{name}, view {index}, {tolerance} px: {found:?}"));
                 }

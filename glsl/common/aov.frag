@@ -16,6 +16,11 @@ layout(location = 0) out vec4 uvAov;       // u, v, patch, 1
 layout(location = 1) out vec4 positionAov; // world space, and 1
 layout(location = 2) out vec4 normalAov;   // world space, Su × Sv; and the depth along the view axis
 
+#ifdef FAR_DEPTH
+// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+layout(location = 32) uniform float depthScale;
+#endif
+
 // The corners' weights at the pixel's centre, perspective-correct.
 vec3 cornerWeights()
 {
@@ -77,4 +82,7 @@ void main()
     normal = mat3(viewToWorld) * normal;
     float size = length(normal);
     normalAov = vec4(size > 0.0 ? -normal / size : vec3(0.0), -position.z);
+#ifdef FAR_DEPTH
+    gl_FragDepth = -position.z * depthScale;
+#endif
 }

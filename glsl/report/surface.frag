@@ -3,8 +3,16 @@
 in TES_OUT {
     vec2 texCoord;
 } fs_in;
+#ifdef FAR_DEPTH
+layout(location = 2) in vec4 position; // view space
+#endif
 
 out vec4 FragColor;
+
+#ifdef FAR_DEPTH
+// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+layout(location = 32) uniform float depthScale;
+#endif
 
 layout(binding = 0) uniform sampler2D textureSurface;
 layout(location = 21) uniform bool wireframe;
@@ -22,4 +30,7 @@ void main()
     else if (wireframe)
         color = vec4(1.0, 0.0, 0.0, 1.0);
     FragColor = vec4(color.rgb, 1.0);
+#ifdef FAR_DEPTH
+    gl_FragDepth = -position.z * depthScale;
+#endif
 }

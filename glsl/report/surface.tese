@@ -10,6 +10,9 @@ in TCS_OUT {
 out TES_OUT {
     vec2 texCoord;
 } tes_out;
+#ifdef FAR_DEPTH
+layout(location = 2) out vec4 position; // view space
+#endif
 
 layout(location = 1) uniform mat4 model;
 layout(location = 2) uniform mat4 view;
@@ -46,6 +49,10 @@ void main()
 {
     float u = part.x + part.z * gl_TessCoord.x;
     float v = part.y + part.z * gl_TessCoord.y;
-    gl_Position = projection * (view * (model * bezierSurface(u, v)));
+    vec4 viewPoint = view * (model * bezierSurface(u, v));
+    gl_Position = projection * viewPoint;
+#ifdef FAR_DEPTH
+    position = viewPoint / viewPoint.w;
+#endif
     tes_out.texCoord = clamp(vec2(u, v), 0.0, 1.0);
 }

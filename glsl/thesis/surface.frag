@@ -9,6 +9,11 @@ layout(binding = 0) uniform sampler2D colortexture;
 
 out vec4 fragmentColor;
 
+#ifdef FAR_DEPTH
+// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+layout(location = 32) uniform float depthScale;
+#endif
+
 void main()
 {
     // Sampled before anything is discarded: the texture's derivatives need all neighbours.
@@ -24,5 +29,8 @@ void main()
     fragmentColor = vec4(0.5 * (size > 0.0 ? passNormal / size : vec3(0.0)) + 0.5, 1.0);
 #else
     fragmentColor = vec4(diffuseColor, 1.0);
+#endif
+#ifdef FAR_DEPTH
+    gl_FragDepth = -position.z * depthScale;
 #endif
 }

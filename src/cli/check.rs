@@ -127,10 +127,12 @@ fn patches_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> 
             found.max_error_px, found.bad_values
         ));
     }
-    if found.crack_pixels > 0 || found.covered.abs_diff(found.expected) > found.expected / 50 {
+    if found.crack_pixels + found.hidden_pixels > 0
+        || found.covered.abs_diff(found.expected) > found.expected / 50
+    {
         return Err(format!(
-            "{} pixels drawn by the {name} method, expected {}; {} are holes",
-            found.covered, found.expected, found.crack_pixels
+            "{} pixels drawn by the {name} method, expected {}; {} are holes, {} show what is hidden",
+            found.covered, found.expected, found.crack_pixels, found.hidden_pixels
         ));
     }
     // The thesis' own normal is wrong by its nature.

@@ -213,6 +213,7 @@ struct Object<'a> {
     normal_error_deg: f64,
     silhouette_pixels: usize,
     crack_pixels: usize,
+    hidden_pixels: usize,
     triangles: u64,
     ms: f64,
     unmet_views: u64,
@@ -251,6 +252,9 @@ impl Report {
         if self.unmet_views > 0 {
             line.push_str(&format!(", {} views at a limit", self.unmet_views));
         }
+        if errors.hidden_pixels > 0 {
+            line.push_str(&format!(", {} pixels show what is hidden", errors.hidden_pixels));
+        }
         if errors.bad_values > 0 {
             line.push_str(&format!(", {} NaN or infinite values", errors.bad_values));
         }
@@ -269,6 +273,7 @@ impl Report {
             normal_error_deg: errors.normal_error_deg,
             silhouette_pixels: errors.silhouette_pixels,
             crack_pixels: errors.crack_pixels,
+            hidden_pixels: errors.hidden_pixels,
             triangles: self.triangles,
             ms: self.ms,
             unmet_views: self.unmet_views,
@@ -295,6 +300,7 @@ mod tests {
                 normal_error_deg: 1.5,
                 silhouette_pixels: 7,
                 crack_pixels: 2,
+                hidden_pixels: 0,
                 bad_values: 0,
                 covered: 1000,
                 expected: 1001,
@@ -309,7 +315,7 @@ mod tests {
     fn the_object_has_its_keys_in_order() {
         let expected = r#"{"scene":"a \"b\"\n.toml","method":"thesis","level":16,"#.to_owned()
             + r#""max_error_px":0.4375,"mean_error_px":0.0625,"normal_error_deg":1.5,"#
-            + r#""silhouette_pixels":7,"crack_pixels":2,"triangles":1024,"ms":2.25,"unmet_views":0,"covered_pixels":1000,"bad_values":0}"#;
+            + r#""silhouette_pixels":7,"crack_pixels":2,"hidden_pixels":0,"triangles":1024,"ms":2.25,"unmet_views":0,"covered_pixels":1000,"bad_values":0}"#;
         assert_eq!(report().json(), expected);
         let report =
             Report { method: Method::Exact, fineness: Fineness::Tolerance(0.5), ..report() };

@@ -51,6 +51,9 @@ pub struct Coverage {
     pub size: (u32, u32),
     /// The pixels row by row from the top.
     pub pixels: Vec<Cover>,
+    /// How far the nearest surface at each pixel's centre is along the view axis, in world units, where
+    /// trims do not cut it; infinite where there is none.
+    pub distances: Vec<f64>,
 }
 
 /// Finds which pixels of a picture of `size` pixels a scene covers, right to 0.03 pixels: trims are
@@ -66,16 +69,72 @@ pub fn coverage(
     method: Method,
 ) -> Result<Coverage> {
     let mut canvas = Canvas::new(size);
-    let near_w = 1.0 / (projection.projection.inverse() * DVec4::new(0.0, 0.0, -1.0, 1.0)).w;
+    let depth = Depth::of(scene, projection);
+    let own_clip = depth.clip(&projection.projection);
+    let near_w = match depth {
+        Depth::Perspective { nearest } => nearest,
+        Depth::Parallel { .. } => 1.0,
+    };
     for surface in &scene.surfaces {
         let cut = Cut::new(&surface.trims, scene.settings.newton, method)?;
-        let to_clip = projection.projection * projection.view * surface.transform;
+        let to_clip = own_clip * projection.view * surface.transform;
         for patch in surface.patches() {
             let whole = Part::whole(&patch, &to_clip, near_w);
             whole.cut_up(size, &mut |part, cells| canvas.part(part, cells, &cut));
         }
     }
-    Ok(canvas.into_coverage())
+    Ok(canvas.into_coverage(&depth))
+}
+
+/// How depth is told here: from the eye on, whatever the picture's clip planes are.
+#[derive(Debug, Clone, Copy)]
+enum Depth {
+    /// z / w is 1 − 2 · nearest / distance.
+    Perspective { nearest: f64 },
+    /// z / w goes from −1 at the least distance to 1 at the greatest.
+    Parallel { least: f64, greatest: f64 },
+}
+
+impl Depth {
+    fn of(scene: &Scene, projection: &Projection) -> Self {
+        /// Of the farthest distance; what is nearer to the eye's plane is not seen.
+        const EYE: f64 = 2e-8;
+        let distances = scene.surfaces.iter().flat_map(|surface| {
+            let to_view = projection.view * surface.transform;
+            let points = surface.control_points().iter();
+            points.map(move |point| -to_view.transform_point3(point.truncate()).z)
+        });
+        let (least, greatest) = distances
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), distance| {
+                (least.min(distance), greatest.max(distance))
+            });
+        if projection.projection.row(3).z == 0.0 {
+            let margin = (greatest - least).max(1.0);
+            return Self::Parallel { least: least - margin, greatest: greatest + margin };
+        }
+        Self::Perspective { nearest: EYE * greatest.abs().max(f64::MIN_POSITIVE) }
+    }
+
+    /// The projection with this depth instead of its own.
+    fn clip(&self, projection: &DMat4) -> DMat4 {
+        let mut rows = projection.transpose();
+        rows.z_axis = match self {
+            Self::Perspective { nearest } => rows.w_axis - DVec4::W * (2.0 * nearest),
+            Self::Parallel { least, greatest } => {
+                let size = greatest - least;
+                DVec4::new(0.0, 0.0, -2.0 / size, -(greatest + least) / size)
+            }
+        };
+        rows.transpose()
+    }
+
+    /// The distance along the view axis of z / w.
+    fn distance(&self, z: f64) -> f64 {
+        match self {
+            Self::Perspective { nearest } => 2.0 * nearest / (1.0 - z),
+            Self::Parallel { least, greatest } => 0.5 * ((greatest - least) * z + greatest + least),
+        }
+    }
 }
 
 /// Whether a scene leaves a gap within so many pixels of a pixel's centre, also one that is narrower than
@@ -144,7 +203,7 @@ impl Corner {
 }
 
 /// A pixel in the making.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Spot {
     covered: bool,
     /// Whether trims do not cut the surface within the pixel.
@@ -154,6 +213,14 @@ struct Spot {
     /// A part that comes closer to the centre than the tolerance and does not cover it; parts count
     /// from 1.
     beside: u32,
+    /// z / w of the nearest surface at the centre.
+    nearest: f64,
+}
+
+impl Default for Spot {
+    fn default() -> Self {
+        Self { covered: false, whole: false, cut: false, beside: 0, nearest: 1.0 }
+    }
 }
 
 /// The picture in the making.
@@ -183,17 +250,17 @@ impl Canvas {
             for i in 0..cells {
                 let a = j * (cells + 1) + i;
                 let c = a + cells + 1;
-                self.triangle([corners[a], corners[a + 1], corners[c + 1]], cut);
-                self.triangle([corners[a], corners[c + 1], corners[c]], cut);
+                self.triangle([corners[a], corners[a + 1], corners[c + 1]], part, cut);
+                self.triangle([corners[a], corners[c + 1], corners[c]], part, cut);
             }
         }
         self.corners = corners;
     }
 
-    fn triangle(&mut self, corners: [Corner; 3], cut: &Cut<'_>) {
+    fn triangle(&mut self, corners: [Corner; 3], part: &Part, cut: &Cut<'_>) {
         let in_front = corners.map(|corner| corner.in_front() > 0.0);
         if in_front == [true; 3] {
-            self.clipped_triangle(corners, cut);
+            self.clipped_triangle(corners, part, cut);
             return;
         }
         // In front of the near plane are three or four corners, or none.
@@ -213,11 +280,11 @@ impl Canvas {
             }
         }
         for i in 2..count {
-            self.clipped_triangle([polygon[0], polygon[i - 1], polygon[i]], cut);
+            self.clipped_triangle([polygon[0], polygon[i - 1], polygon[i]], part, cut);
         }
     }
 
-    fn clipped_triangle(&mut self, mut corners: [Corner; 3], cut: &Cut<'_>) {
+    fn clipped_triangle(&mut self, mut corners: [Corner; 3], part: &Part, cut: &Cut<'_>) {
         let size = self.size.as_dvec2();
         let mut places = corners.map(|corner| {
             let ndc = corner.clip.truncate().truncate() / corner.clip.w;
@@ -242,20 +309,13 @@ impl Canvas {
         for y in low.y as usize..high.y as usize {
             for x in low.x as usize..high.x as usize {
                 let spot = &mut self.spots[y * self.size.x as usize + x];
-                let may_be_cut = !spot.cut && !matches!(cut, Cut::Nothing);
-                if !spot.covered || may_be_cut {
-                    triangle.meet(
-                        spot,
-                        DVec2::new(x as f64 + 0.5, y as f64 + 0.5),
-                        self.parts,
-                        cut,
-                    );
-                }
+                let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                triangle.meet(spot, center, (self.parts, part), cut);
             }
         }
     }
 
-    fn into_coverage(self) -> Coverage {
+    fn into_coverage(self, depth: &Depth) -> Coverage {
         let (width, height) = (self.size.x as usize, self.size.y as usize);
         let pixels = (0..width * height)
             .map(|i| {
@@ -273,7 +333,11 @@ impl Canvas {
                 }
             })
             .collect();
-        Coverage { size: self.size.into(), pixels }
+        let distance = |spot: &Spot| {
+            if spot.covered { depth.distance(spot.nearest) } else { f64::INFINITY }
+        };
+        let distances = self.spots.iter().map(distance).collect();
+        Coverage { size: self.size.into(), pixels, distances }
     }
 }
 
@@ -311,8 +375,8 @@ impl Triangle {
         sum / over_w.iter().sum::<f64>()
     }
 
-    /// Puts what it shows at a pixel's centre into `spot`, which is not covered yet.
-    fn meet(&self, spot: &mut Spot, center: DVec2, part: u32, cut: &Cut<'_>) {
+    /// Puts what it shows at a pixel's centre into `spot`.
+    fn meet(&self, spot: &mut Spot, center: DVec2, (number, part): (u32, &Part), cut: &Cut<'_>) {
         let mut weights = self.weights(center);
         let covers = (0..3).all(|i| {
             let [from, to] = self.edge(i);
@@ -323,7 +387,7 @@ impl Triangle {
                 let [from, to] = self.edge(i);
                 weights[i] * self.area.abs() >= -TOLERANCE_PX * from.distance(to)
             };
-            if spot.beside == part || !(0..3).all(is_close) {
+            if spot.covered || spot.beside == number || !(0..3).all(is_close) {
                 return;
             }
             weights = weights.map(|weight| weight.max(0.0));
@@ -335,9 +399,19 @@ impl Triangle {
         if !(-1.0..1.0).contains(&depth) {
             return;
         }
-        if cut.cuts(self.uv(weights)) {
+        let uv = self.uv(weights);
+        // Of the surface itself: in depth triangles may be far from it.
+        let depth = part.depth(uv).clamp(-1.0, 1.0);
+        let may_be_cut = !matches!(cut, Cut::Nothing);
+        if spot.covered && depth >= spot.nearest && (spot.cut || !may_be_cut) {
+            return;
+        }
+        if may_be_cut && cut.cuts(uv) {
             spot.cut = true;
             return;
+        }
+        if covers || spot.beside != 0 {
+            spot.nearest = spot.nearest.min(depth);
         }
         if spot.covered {
             return;
@@ -346,7 +420,7 @@ impl Triangle {
             spot.covered = true;
             spot.whole = matches!(cut, Cut::Nothing) || !self.is_cut_around(center, cut);
         } else {
-            spot.beside = part;
+            spot.beside = number;
         }
     }
 

@@ -361,7 +361,7 @@ fn eye_in_model(projection: &Projection, model: &DMat4) -> Eye {
 /// space and to view space, and what turns cross products of them into view space.
 pub(super) fn matrices(points_to_world: &DMat4, projection: &Projection) -> [Vec4; MATRIX_TEXELS] {
     let to_view = projection.view * *points_to_world;
-    let to_clip = projection.projection * to_view;
+    let to_clip = projection.for_driver() * to_view;
     let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);
     // The cross product of transformed tangents is the matrix of cofactors times that of the tangents.
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];

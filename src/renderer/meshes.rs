@@ -10,7 +10,7 @@ use glow::HasContext;
 use super::drawing::{Seen, matrices};
 use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::triangles::Feedback;
-use super::{DrawnVertex, Frame, Renderer, in_lines, set_columns, set_for_aovs};
+use super::{DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs};
 use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
 use crate::surface::Centering;
 use crate::tessellation::{
@@ -305,10 +305,12 @@ impl Renderer {
             shading,
             trims: TrimFeatures::NONE,
             output,
+            far_depth: frame.projection.depth_scale().is_some(),
         };
         self.program(key)?;
         let program = &self.programs[&key];
         program.bind();
+        set_depth(program, frame.projection.depth_scale());
         let columns = matrices(&mesh.points_to_world(), &frame.projection);
         // Cross products turn with the triangle, normals stay outside.
         let sign = mesh.model.transform.determinant().signum() as f32;

@@ -77,6 +77,8 @@ pub mod location {
     pub const ALPHA: u32 = 30;
     /// `firstPoint`.
     pub const FIRST_POINT: u32 = 31;
+    /// `depthScale`.
+    pub const DEPTH_SCALE: u32 = 32;
 }
 
 /// Binding point of `trimPointsSsbo`, as in listing 13.
@@ -242,6 +244,8 @@ pub struct ProgramKey {
     pub trims: TrimFeatures,
     /// What becomes of what is drawn.
     pub output: Output,
+    /// Depth is written as the distance from the eye: see [`location::DEPTH_SCALE`].
+    pub far_depth: bool,
 }
 
 /// What becomes of what is drawn.
@@ -412,6 +416,9 @@ impl Sources {
         }
         if key.output != Output::Picture {
             defines.push(("AOV", 1));
+        }
+        if key.far_depth {
+            defines.push(("FAR_DEPTH", 1));
         }
         match key.shading {
             Shading::Phong => defines.push(("PHONG", 1)),

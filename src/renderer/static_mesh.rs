@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
 use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
-use super::{Frame, Renderer, set_for_aovs};
+use super::{Frame, Renderer, set_depth, set_for_aovs};
 use crate::gpu::{Buffer, FloatTarget, Target, Texture, VertexArray};
 use crate::{Aovs, Error, Method, Result, Shading};
 
@@ -119,9 +119,9 @@ pub struct StaticLook<'a> {
 impl StaticLook<'_> {
     /// The program that draws so.
     #[must_use]
-    pub const fn key(&self, output: Output) -> ProgramKey {
+    pub const fn key(&self, output: Output, far_depth: bool) -> ProgramKey {
         let pipeline = Pipeline::Static(self.method);
-        ProgramKey { pipeline, shading: self.shading, trims: self.trims, output }
+        ProgramKey { pipeline, shading: self.shading, trims: self.trims, output, far_depth }
     }
 }
 
@@ -162,10 +162,12 @@ impl Renderer {
         frame: &Frame,
         output: Output,
     ) -> Result<()> {
-        let program = self.program(look.key(output))?;
+        let depth_scale = frame.projection.depth_scale();
+        let program = self.program(look.key(output, depth_scale.is_some()))?;
         program.bind();
+        set_depth(program, depth_scale);
         program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
-        program.set_mat4(location::PROJECTION, &frame.projection.projection.as_mat4());
+        program.set_mat4(location::PROJECTION, &frame.projection.for_driver().as_mat4());
         if output == Output::Aovs {
             let target = Target::bound(&mesh.gl);
             set_for_aovs(program, frame, &target);

@@ -210,9 +210,11 @@ fn note_of(errors: &Measurement, unmet: Option<f64>) -> Option<String> {
     if errors.normal_error_deg > TURNED_DEG {
         notes.push(format!("normals up to {:.0}° off or missing", errors.normal_error_deg));
     }
-    for (count, what) in
-        [(errors.crack_pixels, "cracks"), (errors.bad_values, "numbers that are none")]
-    {
+    for (count, what) in [
+        (errors.crack_pixels, "cracks"),
+        (errors.hidden_pixels, "pixels that show what is hidden"),
+        (errors.bad_values, "numbers that are none"),
+    ] {
         if count > 0 {
             notes.push(format!("{count} {what}"));
         }

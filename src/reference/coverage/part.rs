@@ -79,6 +79,17 @@ impl Part {
         })
     }
 
+    /// z / w of the point at a place of the patch.
+    pub(super) fn depth(&self, uv: DVec2) -> f64 {
+        let at = (uv - self.corner) / self.length;
+        let mut row = [DVec4::ZERO; MOST_SIDE];
+        for (column, point) in row[..self.side].iter_mut().enumerate() {
+            *point = curve(&self.points[column..], self.side, self.side, at.y);
+        }
+        let point = curve(&row, self.side, 1, at.x);
+        point.z / point.w
+    }
+
     /// Whether all control points, and so the part, lie beyond one side of the view's frustum.
     fn is_out_of_sight(&self) -> bool {
         let all = |beyond: fn(&DVec4) -> bool| self.points().iter().all(beyond);
