@@ -3,7 +3,7 @@
 
 use glam::dcamera::rh::proj::opengl;
 use glam::dcamera::rh::view::look_at_mat4;
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::{Error, Result};
@@ -63,6 +63,17 @@ impl Projection {
         let (nearest, farthest) = (z.w / (z.z - 1.0), z.w / (z.z + 1.0));
         let is_far = nearest > 0.0 && farthest > FAR_OVER_NEAR * nearest;
         (is_far && farthest.is_finite()).then(|| 1.0 / farthest)
+    }
+
+    /// The distance of the farther clip plane from the eye, or 1 if it is at infinity.
+    pub(crate) fn reach(&self) -> f64 {
+        let to_view = self.projection.inverse();
+        let distance = |depth: f64| {
+            let point = to_view * DVec4::new(0.0, 0.0, depth, 1.0);
+            (point.z / point.w).abs()
+        };
+        let reach = distance(-1.0).max(distance(1.0));
+        if reach.is_finite() && reach > 0.0 { reach } else { 1.0 }
     }
 
     /// The projection as the driver gets it: where depth is written by the distance, its far plane is at

@@ -95,8 +95,8 @@ pub use mesh::{
 };
 pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
 pub use scene::{
-    Cull, Image, LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings, Samples,
-    Scene, SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis,
+    Cull, Image, Light, LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings,
+    Samples, Scene, SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis,
     default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;

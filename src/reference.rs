@@ -192,6 +192,7 @@ struct SurfaceView<'a> {
     surface: &'a Surface,
     to_view: DMat4,
     projection: &'a Projection,
+    lights: [DVec3; 2],
     trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
     method: Method,
@@ -217,6 +218,7 @@ impl<'a> SurfaceView<'a> {
             surface,
             to_view: projection.view * surface.transform,
             projection,
+            lights: shading::lights(settings.light, &projection.view),
             trims: TrimDecision::new(&surface.trims, settings.newton, method)?,
             sampler: Sampler::new(&surface.paint),
             method,
@@ -256,7 +258,7 @@ impl<'a> SurfaceView<'a> {
         let vertex = &sample.vertex;
         let paint = self.sampler.sample(vertex.uv(), sample.uv_per_px);
         let (position, normal) = (vertex.position(), vertex.normal());
-        shading::color(self.surface.shading, paint, position, normal, &self.projection.view)
+        shading::color(self.surface.shading, paint, position, normal, self.lights)
     }
 }
 

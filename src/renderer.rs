@@ -237,6 +237,9 @@ impl Renderer {
         if aov {
             set_for_aovs(program, frame, &Target::bound(&self.gl));
         }
+        if shading == Shading::Phong && !aov {
+            set_lights(program, frame);
+        }
         trims.set(surface.trims(), program, &settings.newton);
         self.look(shading, surface.texture(), settings, output).1.bind(0);
         let side = surface.degree().points();
@@ -313,8 +316,7 @@ impl Renderer {
                 let (shading, texture) =
                     self.look(batch.shading, surface.texture(), settings, output);
                 if shading == Shading::Phong && !aov {
-                    // The lights stand in the world.
-                    program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
+                    set_lights(program, frame);
                 }
                 if aov {
                     set_for_aovs(program, frame, target);
@@ -422,6 +424,13 @@ fn in_lines(settings: &RenderSettings, output: Output) -> bool {
     settings.wireframe && settings.red_lines && output == Output::Picture
 }
 
+/// Sets where the lights stand, in view space.
+fn set_lights(program: &Program, frame: &Frame) {
+    let [first, second] = frame.settings.light.positions(&frame.projection);
+    program.set_vec3(location::LIGHT_POSITION, first.as_vec3());
+    program.set_vec3(location::LIGHT_POSITION_2, second.as_vec3());
+}
+
 /// Sets what the distance becomes a depth by, if depth is written so.
 fn set_depth(program: &Program, depth_scale: Option<f64>) {
     if let Some(scale) = depth_scale {
@@ -447,8 +456,12 @@ fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
     program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
 }
 
+/// Sets the listings' matrices. Their world begins at the eye: what is far from the origin would lose its digits
+/// in `f32` else.
 fn set_matrices(program: &Program, model: &DMat4, projection: &Projection) {
-    program.set_mat4(location::MODEL, &model.as_mat4());
-    program.set_mat4(location::VIEW, &projection.view.as_mat4());
+    let eye = projection.view.inverse().w_axis.truncate();
+    let to_eye = DMat4::from_translation(-eye);
+    program.set_mat4(location::MODEL, &(to_eye * *model).as_mat4());
+    program.set_mat4(location::VIEW, &(projection.view * DMat4::from_translation(eye)).as_mat4());
     program.set_mat4(location::PROJECTION, &projection.for_driver().as_mat4());
 }

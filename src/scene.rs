@@ -22,7 +22,7 @@ use crate::{Camera, Circle, CreaseAngle, Degree, Result, Smoothing};
 use file::{check_is_file, extension, read_text, unreadable};
 pub use model::{Material, MeshModel};
 pub use settings::{
-    Method, Normals, RenderSettings, Samples, TessLevel, Tessellation, Tolerance, UpAxis,
+    Light, Method, Normals, RenderSettings, Samples, TessLevel, Tessellation, Tolerance, UpAxis,
 };
 pub use surface::{Cull, Paint, Shading, Surface, default_control_points};
 pub use texture::load_texture;
@@ -161,7 +161,7 @@ impl Scene {
             files: vec![path.to_owned()],
             camera: None,
             up: DVec3::Y,
-            settings: RenderSettings::default(),
+            settings: RenderSettings { light: Light::Camera, ..RenderSettings::default() },
             surfaces: Vec::new(),
             meshes: Vec::new(),
         }

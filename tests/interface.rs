@@ -198,7 +198,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
         ] {
             let shared = has(4);
             let pipeline = Pipeline::Exact { degree, samples, degenerate, shared, normals };
-            let key = ProgramKey { pipeline, shading, trims, output, far_depth: false };
+            let key = ProgramKey { pipeline, shading, trims, output, far_depth: has(1) };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));

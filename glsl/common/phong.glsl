@@ -1,14 +1,12 @@
 // Listing 7: Phong's model with two lights. Keep in step with src/reference/shading.rs.
 //
-// All vectors are in view space, where the eye is the origin that the listing takes it for. The
-// lights stand above and below the world's origin, whose axes are the columns of viewMatrix.
+// All vectors are in view space, where the eye is the origin that the listing takes it for.
 
-layout(location = 2) uniform mat4 viewMatrix;
+layout(location = 33) uniform vec3 lightPosition;
+layout(location = 34) uniform vec3 lightPosition2;
 
 vec3 lit(vec3 diffuseColor, vec3 position, vec3 normal)
 {
-    vec3 lightPosition = viewMatrix[3].xyz + 10.0 * viewMatrix[1].xyz;
-    vec3 lightPosition2 = viewMatrix[3].xyz - 10.0 * viewMatrix[1].xyz;
     vec3 lightVector = normalize(lightPosition - position);
     vec3 lightVector2 = normalize(lightPosition2 - position);
 

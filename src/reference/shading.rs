@@ -2,12 +2,28 @@
 
 use glam::{DMat4, DVec3};
 
-use crate::Shading;
+use crate::{Light, Shading};
 
 const AMBIENT: f64 = 0.1;
 const SHININESS: f64 = 150.0;
 /// The lights stand so far above and below the world's origin.
 const LIGHT_HEIGHT: f64 = 10.0;
+/// Farther than any scene reaches.
+const FAR_AWAY: f64 = 1e30;
+
+/// The two lights in view space: the thesis' at the world's (0, ±10, 0), or of the camera, from the left and above
+/// and from opposite. Those are so far away that only their direction matters.
+pub(super) fn lights(light: Light, view: &DMat4) -> [DVec3; 2] {
+    match light {
+        Light::World => {
+            [1.0, -1.0].map(|side| view.transform_point3(DVec3::Y * (side * LIGHT_HEIGHT)))
+        }
+        Light::Camera => {
+            let to_light = DVec3::new(-0.45, 0.6, (1.0 - 0.45 * 0.45 - 0.6 * 0.6_f64).sqrt());
+            [to_light * FAR_AWAY, -to_light * FAR_AWAY]
+        }
+    }
+}
 
 /// Colour of a point of a surface. `position` and `normal` are in view space; the normal is taken as
 /// the triangles interpolate it, not made unit again, as in listing 13.
@@ -16,18 +32,14 @@ pub(super) fn color(
     paint: DVec3,
     position: DVec3,
     normal: DVec3,
-    view: &DMat4,
+    lights: [DVec3; 2],
 ) -> DVec3 {
     match shading {
         Shading::Unlit => paint,
         Shading::Normals => normal.normalize_or_zero() * 0.5 + 0.5,
-        Shading::Phong => {
-            let lights = [LIGHT_HEIGHT, -LIGHT_HEIGHT];
-            lights.iter().fold(paint * AMBIENT, |sum, height| {
-                let light = view.transform_point3(DVec3::Y * height);
-                sum + from_light(light, paint, position, normal)
-            })
-        }
+        Shading::Phong => lights
+            .into_iter()
+            .fold(paint * AMBIENT, |sum, light| sum + from_light(light, paint, position, normal)),
     }
 }
 
@@ -49,7 +61,8 @@ mod tests {
         // The eye at height 2 looks straight down, so the world's y is the view's z.
         let view = glam::dcamera::rh::view::look_at_mat4(2.0 * DVec3::Y, DVec3::ZERO, -DVec3::Z);
         let position = DVec3::new(0.0, 0.0, -2.0);
-        let lit = |normal| color(Shading::Phong, DVec3::splat(0.5), position, normal, &view);
+        let lights = lights(Light::World, &view);
+        let lit = |normal| color(Shading::Phong, DVec3::splat(0.5), position, normal, lights);
         // Ambient 0.05, diffuse 0.5, and both reflections go straight into the eye or away from it.
         assert!((lit(DVec3::Z) - DVec3::splat(0.05 + 0.5 + 1.0)).length() < 1e-12);
         // Both lights together treat the two sides of a surface alike.
@@ -61,7 +74,8 @@ mod tests {
     #[test]
     fn unlit_is_the_paint_and_normals_show_themselves() {
         let paint = DVec3::new(0.1, 0.2, 0.3);
-        let of = |shading| color(shading, paint, -DVec3::Z, 0.5 * DVec3::X, &DMat4::IDENTITY);
+        let lights = lights(Light::World, &DMat4::IDENTITY);
+        let of = |shading| color(shading, paint, -DVec3::Z, 0.5 * DVec3::X, lights);
         assert_eq!(of(Shading::Unlit), paint);
         assert_eq!(of(Shading::Normals), DVec3::new(1.0, 0.5, 0.5));
     }

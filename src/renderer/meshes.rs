@@ -10,7 +10,9 @@ use glow::HasContext;
 use super::drawing::{Seen, matrices};
 use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::triangles::Feedback;
-use super::{DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs};
+use super::{
+    DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
+};
 use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
 use crate::surface::Centering;
 use crate::tessellation::{
@@ -320,7 +322,7 @@ impl Renderer {
         }
         if is_picture {
             if shading == Shading::Phong {
-                program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
+                set_lights(program, frame);
             }
         } else {
             program.set_i32(location::FIRST_PATCH, first_patch as i32);

@@ -77,6 +77,10 @@ pub mod location {
     pub const ALPHA: u32 = 30;
     /// `firstPoint`.
     pub const FIRST_POINT: u32 = 31;
+    /// `lightPosition`.
+    pub const LIGHT_POSITION: u32 = 33;
+    /// `lightPosition2`.
+    pub const LIGHT_POSITION_2: u32 = 34;
     /// `depthScale`.
     pub const DEPTH_SCALE: u32 = 32;
 }

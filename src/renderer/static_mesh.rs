@@ -8,7 +8,7 @@ use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
 use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
-use super::{Frame, Renderer, set_depth, set_for_aovs};
+use super::{Frame, Renderer, set_depth, set_for_aovs, set_lights};
 use crate::gpu::{Buffer, FloatTarget, Target, Texture, VertexArray};
 use crate::{Aovs, Error, Method, Result, Shading};
 
@@ -167,6 +167,9 @@ impl Renderer {
         program.bind();
         set_depth(program, depth_scale);
         program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
+        if look.shading == Shading::Phong && output == Output::Picture {
+            set_lights(program, frame);
+        }
         program.set_mat4(location::PROJECTION, &frame.projection.for_driver().as_mat4());
         if output == Output::Aovs {
             let target = Target::bound(&mesh.gl);

@@ -14,8 +14,9 @@ use super::tables::{
     ShadingName, SmoothingName, SurfaceTable, TrimTable,
 };
 use super::{
-    Cull, Image, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene, Surface,
-    TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture, obj,
+    Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene,
+    Surface, TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture,
+    obj,
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
@@ -41,7 +42,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
     let mut builder =
         Builder { text, path, crease, chunk: 0, textures: HashMap::new(), files, from_files: 0 };
     let mut camera = None;
-    let mut settings = None;
+    let mut stage = None;
     let mut surfaces = Vec::new();
     let mut meshes = Vec::new();
     let mut loop_places = Vec::new();
@@ -49,7 +50,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         builder.chunk = chunk.start;
         let document = builder.document(&text[chunk])?;
         builder.once("camera", &mut camera, document.camera, camera_of)?;
-        builder.once("render", &mut settings, document.render, settings_of)?;
+        builder.once("render", &mut stage, document.render, stage_of)?;
         for table in document.surface {
             let (new, places) = builder.surfaces(table)?;
             loop_places.extend(new.iter().map(|_| places.clone()));
@@ -64,7 +65,10 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
-    let (settings, up): (RenderSettings, Option<UpAxis>) = settings.unwrap_or_default();
+    let Stage { mut settings, up, light } = stage.unwrap_or_default();
+    // What has no place of its own in the world is lit from where it is seen.
+    let framed = if camera.is_some() { Light::World } else { Light::Camera };
+    settings.light = light.unwrap_or(framed);
     // Patches of a file stand as they do by themselves.
     let of_files = meshes.is_empty() && surfaces.len() == builder.from_files;
     let up = up.unwrap_or(if of_files { UpAxis::Z } else { UpAxis::Y }).direction();
@@ -342,10 +346,15 @@ impl Builder<'_> {
     }
 }
 
-fn settings_of(
-    builder: &Builder<'_>,
-    table: RenderTable,
-) -> Result<(RenderSettings, Option<UpAxis>)> {
+/// What a `[render]` table says.
+#[derive(Default)]
+struct Stage {
+    settings: RenderSettings,
+    up: Option<UpAxis>,
+    light: Option<Light>,
+}
+
+fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stage> {
     let mut settings = RenderSettings {
         wireframe: table.wireframe,
         red_lines: table.red_lines,
@@ -385,7 +394,8 @@ fn settings_of(
         })?;
     }
     let up = table.up.map(|up| builder.check(up, |name| name.parse())).transpose()?;
-    Ok((settings, up))
+    let light = table.light.map(|light| builder.check(light, |name| name.parse())).transpose()?;
+    Ok(Stage { settings, up, light })
 }
 
 fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {

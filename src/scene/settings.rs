@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Error, Newton, Result};
+use crate::{Error, Newton, Projection, Result};
 
 /// How a scene is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +17,8 @@ pub struct RenderSettings {
     pub tessellation: Tessellation,
     /// Where the exact method evaluates normals.
     pub normals: Normals,
+    /// Where the lights stand.
+    pub light: Light,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
     /// The lines are the report's red, whatever the surface looks like.
@@ -35,6 +37,7 @@ impl Default for RenderSettings {
             samples: Samples::default(),
             tessellation: Tessellation::default(),
             normals: Normals::default(),
+            light: Light::default(),
             wireframe: false,
             red_lines: false,
             control_points: false,
@@ -179,6 +182,50 @@ impl std::str::FromStr for Normals {
             "vertex" => Ok(Self::Vertex),
             "pixel" => Ok(Self::Pixel),
             _ => Err(Error::invalid("normals", format!("\"{name}\""), "\"vertex\" or \"pixel\"")),
+        }
+    }
+}
+
+/// Where the two lights stand, on opposite sides of what is drawn, so that both sides of a surface are lit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Light {
+    /// The thesis' lamps: 10 units above and below the world's origin, at y = 10 and y = −10.
+    #[default]
+    World,
+    /// They go with the camera: one stands to the left of the eye and above it, the other one opposite, both
+    /// far away. So a model looks the same at any size and place.
+    Camera,
+}
+
+impl Light {
+    /// The height of the thesis' lamps.
+    const HEIGHT: f64 = 10.0;
+    /// Where the light to the left and above comes from, in view space; of length 1.
+    const ABOVE: DVec3 = DVec3::new(-0.45, 0.6, 0.661_437_827_766_147_8);
+    /// How many times as far those lights are as the farthest thing.
+    const FAR: f64 = 1000.0;
+
+    /// The places of both lights in view space.
+    pub(crate) fn positions(self, projection: &Projection) -> [DVec3; 2] {
+        match self {
+            Self::World => [Self::HEIGHT, -Self::HEIGHT]
+                .map(|height| projection.view.transform_point3(DVec3::Y * height)),
+            Self::Camera => {
+                let place = Self::ABOVE * (Self::FAR * projection.reach());
+                [place, -place]
+            }
+        }
+    }
+}
+
+impl std::str::FromStr for Light {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "world" => Ok(Self::World),
+            "camera" => Ok(Self::Camera),
+            _ => Err(Error::invalid("light", format!("\"{name}\""), "\"camera\" or \"world\"")),
         }
     }
 }

@@ -45,6 +45,7 @@ pub(super) struct RenderTable {
     pub(super) tolerance: Option<Spanned<f64>>,
     pub(super) normals: Option<Spanned<String>>,
     pub(super) up: Option<Spanned<String>>,
+    pub(super) light: Option<Spanned<String>>,
     pub(super) wireframe: bool,
     pub(super) red_lines: bool,
     pub(super) control_points: bool,

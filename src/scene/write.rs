@@ -14,7 +14,7 @@ use image::ImageFormat;
 use super::document::transform;
 use super::file::{extension, read_text};
 use super::{
-    Cull, Image, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
+    Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
     Tessellation, bpt, default_control_points, load_texture,
 };
 use crate::camera::Lens;
@@ -102,6 +102,7 @@ impl Writer<'_> {
             samples,
             tessellation,
             normals,
+            light,
             wireframe,
             red_lines,
             control_points,
@@ -114,6 +115,11 @@ impl Writer<'_> {
             Method::Exact => "exact",
         };
         self.line("method", format_args!("\"{method}\""));
+        let light = match light {
+            Light::World => "world",
+            Light::Camera => "camera",
+        };
+        self.line("light", format_args!("\"{light}\""));
         self.line("samples", samples.get());
         match tessellation {
             Tessellation::Level(level) => self.line("level", level.get()),
