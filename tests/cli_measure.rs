@@ -129,13 +129,19 @@ fn measure_goes_on_after_a_bad_scene() {
     assert_eq!(complained.lines().count(), 1, "{complained}");
 }
 
-/// An AOV's file: width, height and rows of four numbers a pixel.
+/// An AOV's file: width, height, and for each pixel R, G, B and A; of depth Z alone.
 fn exr(folder: &Folder, name: &str) -> (u32, u32, Vec<[f32; 4]>) {
-    let picture = image::open(folder.path(name)).unwrap();
-    assert_eq!(picture.color(), image::ColorType::Rgba32F);
-    let picture = picture.into_rgba32f();
-    let (width, height) = picture.dimensions();
-    (width, height, picture.pixels().map(|pixel| pixel.0).collect())
+    let read = exr::prelude::read_first_flat_layer_from_file(folder.path(name)).unwrap();
+    let layer = read.layer_data;
+    let mut pixels = vec![[f32::NAN; 4]; layer.size.area()];
+    for channel in &layer.channel_data.list {
+        let name = channel.name.to_string();
+        let component = ["R", "G", "B", "A", "Z"].iter().position(|other| *other == name).unwrap();
+        for (pixel, value) in pixels.iter_mut().zip(channel.sample_data.values_as_f32()) {
+            pixel[component % 4] = value;
+        }
+    }
+    (layer.size.x() as u32, layer.size.y() as u32, pixels)
 }
 
 #[test]
@@ -159,13 +165,19 @@ fn aovs_are_what_pixels_show() {
             let (u, v) = ((x - 10.0) / 100.0, (105.0 - y) / 100.0);
             let inside = (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v);
             let expected = match kind {
+                "depth" if !inside => [f32::INFINITY; 4],
                 _ if !inside => [0.0; 4],
                 "uv" => [u, v, 0.0, 1.0],
                 "position" => [u, 0.0, -v, 1.0],
                 "normal" => [0.0, 1.0, 0.0, 1.0],
                 _ => [2.0, 2.0, 2.0, 1.0],
             };
-            let off = (0..4).map(|c| (pixel[c] - expected[c]).abs()).fold(0.0, f32::max);
+            let channels = if kind == "depth" { 1 } else { 4 };
+            assert_eq!(pixel.iter().filter(|value| !value.is_nan()).count(), channels);
+            let off = |c: usize| {
+                if pixel[c] == expected[c] { 0.0 } else { (pixel[c] - expected[c]).abs() }
+            };
+            let off = (0..channels).map(off).fold(0.0, f32::max);
             assert!(off <= 1e-5, "{kind} at ({x}, {y}): {pixel:?}, not {expected:?}");
         }
     }

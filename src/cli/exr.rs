@@ -3,9 +3,11 @@
 use std::io::{Cursor, Write as _};
 use std::path::PathBuf;
 
+use exr::prelude::{
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    WritableImage as _,
+};
 use freeform_surface::{AovKind, Aovs, Error, Result};
-use image::codecs::openexr::OpenExrEncoder;
-use image::{ExtendedColorType, ImageEncoder as _};
 
 use super::output::{Output, replace};
 
@@ -62,27 +64,67 @@ impl AovFile {
         Output::File(self.path.clone()).check_keeps(sources)
     }
 
-    /// Writes its AOV with the channels R, G, B and A.
+    /// Writes its AOV: depth as the one channel Z, infinite where nothing is, as compositing programs expect it;
+    /// others as the channels R, G, B and A.
     ///
     /// # Errors
     /// The file cannot be written; an older one stays as it was.
     pub(super) fn write(&self, aovs: &Aovs) -> Result<()> {
+        let numbers = aovs.channel(self.kind);
+        let channel = |name: &str, of_pixel: fn(&[f32; 4]) -> f32| {
+            AnyChannel::new(name, FlatSamples::F32(numbers.iter().map(of_pixel).collect()))
+        };
+        let channels = match self.kind {
+            AovKind::Depth => vec![channel(
+                "Z",
+                |[depth, _, _, alpha]| {
+                    if *alpha > 0.0 { *depth } else { f32::INFINITY }
+                },
+            )],
+            _ => vec![
+                channel("R", |pixel| pixel[0]),
+                channel("G", |pixel| pixel[1]),
+                channel("B", |pixel| pixel[2]),
+                channel("A", |pixel| pixel[3]),
+            ],
+        };
+        let bytes = encode(aovs.size, channels);
         let fail =
             |reason: String| Error::File { action: "write", path: self.path.clone(), reason };
-        let mut bytes = Cursor::new(Vec::new());
-        let pixels = bytemuck::cast_slice(aovs.channel(self.kind));
-        let (width, height) = aovs.size;
-        OpenExrEncoder::new(&mut bytes)
-            .write_image(pixels, width, height, ExtendedColorType::Rgba32F)
-            .map_err(|error| fail(error.to_string()))?;
-        replace(&self.path, |file| file.write_all(bytes.get_ref()))
-            .map_err(|error| fail(error.to_string()))
+        let bytes = bytes.map_err(|error| fail(error.to_string()))?;
+        replace(&self.path, |file| file.write_all(&bytes)).map_err(|error| fail(error.to_string()))
     }
+}
+
+fn encode(
+    (width, height): (u32, u32),
+    channels: Vec<AnyChannel<FlatSamples>>,
+) -> exr::error::Result<Vec<u8>> {
+    let size = (width as usize, height as usize);
+    let channels = AnyChannels::sort(channels.into_iter().collect());
+    let layer = Layer::new(size, LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels);
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut bytes)?;
+    Ok(bytes.into_inner())
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    use exr::prelude::read_first_flat_layer_from_file;
+
     use super::*;
+
+    /// The size of a file's picture and the numbers of its channels, by their names.
+    fn read(path: &Path) -> ((usize, usize), BTreeMap<String, Vec<f32>>) {
+        let layer = read_first_flat_layer_from_file(path).unwrap().layer_data;
+        let channels = layer.channel_data.list.iter().map(|channel| {
+            (channel.name.to_string(), channel.sample_data.values_as_f32().collect())
+        });
+        ((layer.size.x(), layer.size.y()), channels.collect())
+    }
 
     #[test]
     fn numbers_come_back_as_they_were() {
@@ -100,14 +142,29 @@ mod tests {
         for _ in 0..2 {
             AovFile { kind: AovKind::Normal, path: path.clone() }.write(&aovs).unwrap();
         }
-        let read = image::open(&path).unwrap();
-        assert_eq!((read.color(), read.width(), read.height()), (image::ColorType::Rgba32F, 3, 2));
         let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-        assert_eq!(bits(read.into_rgba32f().as_raw()), bits(aovs.normal.as_flattened()));
+        let (size, channels) = read(&path);
+        assert_eq!(size, (3, 2));
+        for (name, component) in [("A", 3), ("B", 2), ("G", 1), ("R", 0)] {
+            let expected: Vec<f32> = aovs.normal.iter().map(|pixel| pixel[component]).collect();
+            assert_eq!(bits(&channels[name]), bits(&expected), "{name}");
+        }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
 
         let missing = AovFile { kind: AovKind::Uv, path: folder.path().join("no/x.exr") };
         assert!(missing.write(&aovs).unwrap_err().to_string().contains("no/x.exr"));
+    }
+
+    #[test]
+    fn depth_is_one_channel_that_is_infinite_where_nothing_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("z.exr");
+        let mut aovs = Aovs::empty((2, 1));
+        aovs.depth[1] = [2.5, 2.5, 2.5, 1.0];
+        AovFile { kind: AovKind::Depth, path: path.clone() }.write(&aovs).unwrap();
+        let (size, channels) = read(&path);
+        assert_eq!((size, channels.len()), ((2, 1), 1));
+        assert_eq!(channels["Z"], [f32::INFINITY, 2.5]);
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! `.bpt` files: a count of patches, then for each patch two integers and its points, row by row.
 //!
-//! Two dialects are about. The integers are degrees (`3 3` before 16 points) or numbers of points
-//! (`4 4` before 16 points); only the number of values that follow tells which.
+//! Several dialects are about. The integers are degrees (`3 3` before 16 points) or numbers of points
+//! (`4 4` before 16 points), and they stand before each patch or once before all of them; only the number of
+//! values that follow tells which.
 
 use std::path::Path;
 
@@ -11,12 +12,20 @@ use super::Surface;
 use super::file::line_of;
 use crate::{Degree, Error, Result};
 
-/// What the two integers before a patch mean.
+/// What the two integers before patches mean, and how often they stand there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Dialect {
-    Degrees,
-    Counts,
+struct Dialect {
+    counts: bool,
+    once: bool,
 }
+
+/// In the order in which they are tried.
+const DIALECTS: [Dialect; 4] = [
+    Dialect { counts: false, once: false },
+    Dialect { counts: true, once: false },
+    Dialect { counts: false, once: true },
+    Dialect { counts: true, once: true },
+];
 
 /// A fault and the number of the value where it shows.
 struct Fault {
@@ -62,14 +71,29 @@ fn line_of_value(text: &str, value: usize) -> usize {
 }
 
 fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
-    let patches = match (walk(values, Dialect::Degrees), walk(values, Dialect::Counts)) {
-        (Ok(patches), _) | (Err(_), Ok(patches)) => patches,
-        // Neither fits: tell of the dialect that reads further, or lacks less of the last patch.
-        (Err(degrees), Err(counts)) => {
-            let further = (degrees.value, std::cmp::Reverse(degrees.missing))
-                >= (counts.value, std::cmp::Reverse(counts.missing));
-            return Err(if further { degrees } else { counts });
+    let mut best: Option<Fault> = None;
+    let mut patches = None;
+    for dialect in DIALECTS {
+        match walk(values, dialect) {
+            Ok(found) => {
+                patches = Some(found);
+                break;
+            }
+            // None fits so far: to be told of is the dialect that reads further, or lacks less of the last
+            // patch. Integers before each patch are what most files have.
+            Err(fault) if dialect.once && best.is_some() => drop(fault),
+            Err(fault) => {
+                let reach = |fault: &Fault| (fault.value, std::cmp::Reverse(fault.missing));
+                if best.as_ref().is_none_or(|best| reach(&fault) > reach(best)) {
+                    best = Some(fault);
+                }
+            }
         }
+    }
+    let patches = match (patches, best) {
+        (Some(patches), _) => patches,
+        (None, Some(fault)) => return Err(fault),
+        (None, None) => Vec::new(),
     };
     let mut surfaces: Vec<(Degree, Vec<DVec4>)> = Vec::new();
     for PatchValues { degree, start } in patches {
@@ -111,9 +135,19 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
     let Some(count) = values.first().copied().and_then(whole) else {
         return fault(0, "expected the number of patches, a whole number above 0".into());
     };
-    let mut patches = Vec::new();
+    let mut patches: Vec<PatchValues> = Vec::new();
     let mut next = 1;
     for patch in 0..count {
+        if let Some(PatchValues { degree, .. }) = patches.last().filter(|_| dialect.once) {
+            let (degree, start) = (*degree, next);
+            next += 3 * degree.points();
+            if next > values.len() {
+                let message = format!("{count} patches announced, but the file ends after {patch}");
+                return fault(values.len(), message);
+            }
+            patches.push(PatchValues { degree, start });
+            continue;
+        }
         let Some(header) = values.get(next..next + 2) else {
             return fault(
                 next,
@@ -126,7 +160,7 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
                 format!("patch {patch} begins with {header:?}; expected two degrees"),
             );
         };
-        let extra = usize::from(dialect == Dialect::Degrees);
+        let extra = usize::from(!dialect.counts);
         let sides = [first.saturating_add(extra), second.saturating_add(extra)];
         let degree = match sides {
             [4, 4] => Degree::Cubic,
@@ -201,6 +235,19 @@ mod tests {
             [(Cubic, 1), (Quartic, 1), (Cubic, 1)]
         );
         assert_eq!(patches(&text("2", &[("4 4", 16), ("5 5", 25)])), [(Cubic, 1), (Quartic, 1)]);
+    }
+
+    #[test]
+    fn degrees_may_stand_once_before_all_patches() {
+        use Degree::{Cubic, Quartic};
+        assert_eq!(patches(&text("2\n3 3", &[("", 16), ("", 16)])), [(Cubic, 2)]);
+        assert_eq!(patches(&text("3\n4 4", &[("", 25), ("", 25), ("", 25)])), [(Quartic, 3)]);
+        // Numbers of points once.
+        assert_eq!(patches(&text("2\n4 4", &[("", 16), ("", 16)])), [(Cubic, 2)]);
+        let points = parse(&text("2\n3 3", &[("", 16), ("", 16)]), Path::new("x.bpt")).unwrap();
+        assert_eq!(points[0].control_points()[16], DVec4::new(0.0, 0.0, 0.5, 1.0));
+        let short = error(&text("2\n3 3", &[("", 16), ("", 15)]));
+        assert!(short.contains("x.bpt:"), "{short}");
     }
 
     #[test]
