@@ -102,12 +102,13 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
                         edge_px: sample.edge_px,
                         front: sample.front,
                     };
-                    let color = if view.trims.cut(fragment.uv) {
+                    let (own, alpha) = view.color(sample);
+                    let color = if view.trims.cut(fragment.uv) || alpha < 0.5 {
                         None
                     } else if settings.wireframe && (report || settings.red_lines) {
                         Some(DVec3::X)
                     } else {
-                        Some(view.color(sample))
+                        Some(own)
                     };
                     (color, fragment)
                 };
@@ -254,11 +255,13 @@ impl<'a> SurfaceView<'a> {
             .collect()
     }
 
-    fn color(&self, sample: &Sample) -> DVec3 {
+    /// The colour, and the alpha of the paint.
+    fn color(&self, sample: &Sample) -> (DVec3, f64) {
         let vertex = &sample.vertex;
         let paint = self.sampler.sample(vertex.uv(), sample.uv_per_px);
         let (position, normal) = (vertex.position(), vertex.normal());
-        shading::color(self.surface.shading, paint, position, normal, self.lights)
+        let (shading, lights) = (self.surface.shading, self.lights);
+        (shading::color(shading, paint.truncate(), position, normal, lights), paint.w)
     }
 }
 

@@ -221,6 +221,9 @@ impl Renderer {
             shading,
             trims: trims.features(surface.trims()),
             output,
+            cut_out: output == Output::Picture
+                && !in_lines(settings, output)
+                && surface.texture().has_holes(),
             far_depth: frame.projection.depth_scale().is_some(),
         };
         self.program(key)?;
@@ -295,6 +298,9 @@ impl Renderer {
             shading: if in_lines(settings, output) { Shading::Unlit } else { batch.shading },
             trims: batch.trims,
             output,
+            cut_out: output == Output::Picture
+                && !in_lines(settings, output)
+                && surfaces[batch.surface].texture().has_holes(),
             far_depth: depth_scale.is_some(),
         };
         // Before anything is bound: a program may be refused.
@@ -382,6 +388,7 @@ impl Renderer {
             shading: Shading::Unlit,
             trims: TrimFeatures::NONE,
             output: Output::Picture,
+            cut_out: false,
             far_depth: false,
         })?;
         program.bind();

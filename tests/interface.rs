@@ -61,6 +61,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
                 trims: TrimFeatures::ALL,
                 output: Output::Picture,
                 far_depth: false,
+                cut_out: false,
             };
             let program = Sources::default().link(context.gl(), key).unwrap();
             for (name, place) in [
@@ -107,6 +108,7 @@ fn the_report_program_has_the_names_of_the_report() {
             trims: TrimFeatures::default(),
             output: Output::Picture,
             far_depth: false,
+            cut_out: false,
         };
         let program = Sources::default().link(context.gl(), key).unwrap();
         for (name, place) in [
@@ -134,6 +136,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
             trims,
             output: Output::Picture,
             far_depth: false,
+            cut_out: false,
         };
         Sources::default().link(context.gl(), key).unwrap()
     };
@@ -169,8 +172,14 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
             (Pipeline::Thesis(Degree::Cubic), Shading::Unlit),
             (Pipeline::Report, Shading::Unlit),
         ] {
-            let key =
-                ProgramKey { pipeline, shading, trims, output: Output::Picture, far_depth: false };
+            let key = ProgramKey {
+                pipeline,
+                shading,
+                trims,
+                output: Output::Picture,
+                far_depth: false,
+                cut_out: false,
+            };
             Sources::default().link(context.gl(), key).unwrap_or_else(|e| panic!("{key:?}: {e}"));
         }
     }
@@ -198,7 +207,8 @@ fn the_exact_program_compiles_for_all_it_may_have() {
         ] {
             let shared = has(4);
             let pipeline = Pipeline::Exact { degree, samples, degenerate, shared, normals };
-            let key = ProgramKey { pipeline, shading, trims, output, far_depth: has(1) };
+            let key =
+                ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));
@@ -225,6 +235,7 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
         trims: TrimFeatures::ALL,
         output: Output::Picture,
         far_depth: false,
+        cut_out: false,
     };
     let sources =
         Sources::default().with_edit("thesis/trim.glsl", "int p = 0;", "int p = nothing;");

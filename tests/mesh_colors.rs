@@ -6,8 +6,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use freeform_surface::{
-    Camera, CreaseAngle, Image, Lens, Material, Mesh, MeshModel, Paint, Scene, Shading, Smoothing,
-    TessLevel, Tessellation,
+    Camera, CreaseAngle, Degree, Image, Lens, Material, Mesh, MeshModel, Method, Paint, Scene,
+    Shading, Smoothing, Surface, TessLevel, Tessellation, reference,
 };
 use glam::{DVec3, UVec2, dvec2, dvec3};
 
@@ -127,5 +127,51 @@ fn pictures_repeat_on_meshes_and_end_on_surfaces() {
             let green = f64::from(y > 0.5);
             (!near).then_some(dvec3(red, green, 0.0))
         });
+    }
+}
+
+#[test]
+fn what_is_transparent_is_a_hole() {
+    // A picture whose left half is opaque red and whose right half is not there, but for a stripe.
+    let picture = Image::from_fn(16, 16, |x, y| {
+        let alpha = if x < 8 || y < 4 { 255 } else { 40 };
+        image::Rgba([255, 0, 0, alpha])
+    });
+    let paint = Paint::Texture(Arc::new(picture));
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 1\n\
+                f 1/1/1 2/2/1 3/3/1 4/4/1\n";
+    let points = |side: usize| {
+        let at = move |i: usize| i as f64 / (side - 1) as f64;
+        (0..side * side)
+            .map(move |i| glam::DVec4::new(at(i % side), at(i / side), 0.0, 1.0))
+            .collect()
+    };
+    for degree in [None, Some(Degree::Cubic), Some(Degree::Quartic)] {
+        for method in [Method::Exact, Method::Thesis] {
+            let mut scene = scene(read(text), Smoothing::None);
+            scene.settings.method = method;
+            scene.settings.background = [0.0, 0.0, 1.0, 1.0];
+            scene.meshes[0].paint = paint.clone();
+            if let Some(degree) = degree {
+                let mut surface = Surface::new(degree, points(degree.side())).unwrap();
+                surface.paint = paint.clone();
+                surface.shading = Shading::Unlit;
+                scene.surfaces.push(surface);
+                scene.meshes.clear();
+            }
+            check(&scene, |place| {
+                let near = (place.x - 0.5).abs() < 0.05 || (place.y - 0.75).abs() < 0.05;
+                // Meshes repeat: at their borders texels of the other side are mixed in.
+                let border = place.min(1.0 - place).min_element() < 0.04;
+                let there = place.x < 0.5 || place.y > 0.75;
+                (!near && !border).then_some(if there { DVec3::X } else { DVec3::Z })
+            });
+            if degree.is_some() {
+                let expected = reference::render(&scene, SIZE, method).unwrap().image;
+                let picture = render(&scene, SIZE, backends()[0]);
+                let wrong = expected.pixels().zip(picture.pixels()).filter(|(a, b)| a != b).count();
+                assert!(wrong < 130, "{degree:?} {method:?}: {wrong} differ from the reference");
+            }
+        }
     }
 }

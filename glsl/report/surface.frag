@@ -21,6 +21,10 @@ layout(location = 22) uniform bool showControlPoints;
 void main()
 {
     vec4 color = texture(textureSurface, fs_in.texCoord);
+#ifdef CUT_OUT
+    if (color.a < 0.5)
+        discard;
+#endif
 #ifdef TRIMMED
     if (cut(fs_in.texCoord))
         discard;

@@ -17,7 +17,12 @@ layout(location = 32) uniform float depthScale;
 void main()
 {
     // Sampled before anything is discarded: the texture's derivatives need all neighbours.
-    vec3 diffuseColor = texture(colortexture, passUVCoord).rgb;
+    vec4 texel = texture(colortexture, passUVCoord);
+    vec3 diffuseColor = texel.rgb;
+#ifdef CUT_OUT
+    if (texel.a < 0.5)
+        discard;
+#endif
 #ifdef TRIMMED
     if (cut(passTessCoord))
         discard;

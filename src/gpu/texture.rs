@@ -13,6 +13,7 @@ use crate::{Image, Result};
 pub struct Texture {
     gl: Arc<glow::Context>,
     raw: glow::Texture,
+    has_holes: bool,
 }
 
 impl std::fmt::Debug for Texture {
@@ -24,6 +25,11 @@ impl std::fmt::Debug for Texture {
 impl Texture {
     pub(super) const fn raw(&self) -> glow::Texture {
         self.raw
+    }
+
+    /// Whether some of its pixels are transparent.
+    pub(crate) const fn has_holes(&self) -> bool {
+        self.has_holes
     }
 
     /// Uploads a picture; its first row becomes v = 1.
@@ -40,7 +46,8 @@ impl Texture {
         let texture = unsafe {
             let raw = create(label, gl.create_named_texture(glow::TEXTURE_2D))?;
             gl.texture_storage_2d(raw, levels as i32, glow::RGBA8, width, height);
-            Self { gl: Arc::clone(gl), raw }
+            let has_holes = image.pixels().any(|pixel| pixel.0[3] < 255);
+            Self { gl: Arc::clone(gl), raw, has_holes }
         };
         check_memory(gl, label, image.len() as u64)?;
         // The smaller levels are made here: drivers are free in how they make them, and Mesa's

@@ -1,7 +1,7 @@
 //! Pictures on surfaces: bilinear in each level, linear between levels, clamped to the edge, as
 //! `gpu::Texture` asks of the driver.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec4};
 
 use crate::Paint;
 
@@ -9,7 +9,8 @@ use crate::Paint;
 pub(super) struct Level {
     width: usize,
     height: usize,
-    texels: Vec<DVec3>,
+    /// Red, green, blue and alpha.
+    texels: Vec<DVec4>,
 }
 
 /// A colour or a picture with its smaller levels.
@@ -29,7 +30,7 @@ impl<'a> Sampler<'a> {
             .rows()
             .rev()
             .flatten()
-            .map(|texel| DVec3::from([0, 1, 2].map(|i| f64::from(texel.0[i]) / 255.0)))
+            .map(|texel| DVec4::from(texel.0.map(|value| f64::from(value) / 255.0)))
             .collect();
         let mut levels = vec![Level { width, height, texels }];
         while let Some(smaller) = levels.last().and_then(Level::half) {
@@ -38,13 +39,14 @@ impl<'a> Sampler<'a> {
         Self::Levels(levels)
     }
 
-    /// The colour at `uv`, where (u, v) goes so far with a pixel to the right and one down.
-    pub(super) fn sample(&self, uv: DVec2, uv_per_px: [DVec2; 2]) -> DVec3 {
+    /// The colour and alpha at `uv`, where (u, v) goes so far with a pixel to the right and one down.
+    pub(super) fn sample(&self, uv: DVec2, uv_per_px: [DVec2; 2]) -> DVec4 {
         match self {
             // The renderer keeps colours in textures of 8 bits.
-            Self::Color(color) => {
-                DVec3::from(color.map(|channel| (f64::from(channel) * 255.0).round() / 255.0))
-            }
+            Self::Color([red, green, blue]) => DVec4::from(
+                [red, green, blue, &1.0]
+                    .map(|channel| (f64::from(*channel) * 255.0).round() / 255.0),
+            ),
             Self::Levels(levels) => {
                 let size = DVec2::new(levels[0].width as f64, levels[0].height as f64);
                 let [right, down] = uv_per_px.map(|step| (step * size).length());
@@ -76,7 +78,7 @@ impl Level {
         Some(Self { width, height, texels })
     }
 
-    fn bilinear(&self, uv: DVec2) -> DVec3 {
+    fn bilinear(&self, uv: DVec2) -> DVec4 {
         let x = uv.x * self.width as f64 - 0.5;
         let y = uv.y * self.height as f64 - 0.5;
         let texel = |x: f64, y: f64| {
@@ -109,9 +111,9 @@ mod tests {
         let paint = checker();
         let sampler = Sampler::new(&paint);
         let top_left = sampler.sample(DVec2::new(0.125, 0.75), [DVec2::ZERO; 2]);
-        assert_eq!(top_left, DVec3::new(1.0, 0.0, 0.0));
+        assert_eq!(top_left, DVec4::new(1.0, 0.0, 0.0, 1.0));
         let bottom_right = sampler.sample(DVec2::new(0.875, 0.25), [DVec2::ZERO; 2]);
-        assert!(bottom_right.distance(DVec3::new(1.0, 150.0 / 255.0, 100.0 / 255.0)) < 1e-12);
+        assert!(bottom_right.distance(DVec4::new(1.0, 150.0 / 255.0, 100.0 / 255.0, 1.0)) < 1e-12);
     }
 
     #[test]

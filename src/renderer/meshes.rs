@@ -60,6 +60,12 @@ struct Painted {
     texture: Arc<Texture>,
 }
 
+impl Painted {
+    fn has_holes(&self) -> bool {
+        self.texture.has_holes()
+    }
+}
+
 /// A mesh in the driver's memory.
 #[derive(Debug)]
 pub(crate) struct PreparedMesh {
@@ -307,6 +313,7 @@ impl Renderer {
             shading,
             trims: TrimFeatures::NONE,
             output,
+            cut_out: is_picture && !in_lines && mesh.paints.iter().any(Painted::has_holes),
             far_depth: frame.projection.depth_scale().is_some(),
         };
         self.program(key)?;

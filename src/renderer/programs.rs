@@ -248,6 +248,8 @@ pub struct ProgramKey {
     pub trims: TrimFeatures,
     /// What becomes of what is drawn.
     pub output: Output,
+    /// Where the picture is transparent there is a hole.
+    pub cut_out: bool,
     /// Depth is written as the distance from the eye: see [`location::DEPTH_SCALE`].
     pub far_depth: bool,
 }
@@ -420,6 +422,9 @@ impl Sources {
         }
         if key.output != Output::Picture {
             defines.push(("AOV", 1));
+        }
+        if key.cut_out {
+            defines.push(("CUT_OUT", 1));
         }
         if key.far_depth {
             defines.push(("FAR_DEPTH", 1));

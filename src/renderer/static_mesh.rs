@@ -121,7 +121,14 @@ impl StaticLook<'_> {
     #[must_use]
     pub const fn key(&self, output: Output, far_depth: bool) -> ProgramKey {
         let pipeline = Pipeline::Static(self.method);
-        ProgramKey { pipeline, shading: self.shading, trims: self.trims, output, far_depth }
+        ProgramKey {
+            pipeline,
+            shading: self.shading,
+            trims: self.trims,
+            output,
+            far_depth,
+            cut_out: false,
+        }
     }
 }
 

@@ -306,8 +306,8 @@ impl Builder<'_> {
         model.level = table.level.map(|level| self.check(level, TessLevel::new)).transpose()?;
         if table.texture.is_some() || table.color.is_some() {
             model.materials.clear();
+            model.paint = self.paint(table.texture, table.color, table.shading)?;
         }
-        model.paint = self.paint(table.texture, table.color, table.shading)?;
         model.shading = table.shading.into();
         model.transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
             .map_err(|error| self.at(start, error))?;

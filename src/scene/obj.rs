@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 
 use super::file::{check_is_file, unreadable};
-use super::{Material, Surface};
+use super::{Material, Paint, Surface};
 use crate::mesh::{SharedBorders, weld};
 use crate::{Corner, CreaseAngle, Mesh, MeshModel, Result, Smoothing};
 use material::Materials;
@@ -47,6 +47,9 @@ pub(super) fn load(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Re
     }
     let (mesh, of_triangles) = mesh_of(obj, path, crease)?;
     let mut model = MeshModel::new(mesh, smoothing);
+    if !model.mesh().mesh().colors().is_empty() {
+        model.paint = Paint::Color([1.0; 3]);
+    }
     let shared = model.mesh().shared_borders();
     if shared != SharedBorders::default() {
         log::info!("{}: {shared}; they are borders", path.display());

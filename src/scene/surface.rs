@@ -25,7 +25,7 @@ pub enum Shading {
 pub enum Paint {
     /// Red, green and blue, each 0 … 1.
     Color([f32; 3]),
-    /// A picture over the domain, its alpha ignored; surfaces may share it.
+    /// A picture over the domain; surfaces may share it. Where its alpha is below one half, there is a hole.
     Texture(Arc<Image>),
 }
 

@@ -3,7 +3,8 @@
 use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-use image::{ImageFormat, ImageReader, Limits};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 
 use super::Image;
 use crate::{Error, Result};
@@ -17,7 +18,7 @@ const MAX_PIXELS: u64 = 64 << 20;
 /// What decoding may need besides: 16 bits for each of four channels.
 const MAX_BYTES: u64 = 8 * MAX_PIXELS;
 
-/// Reads a picture.
+/// Reads a picture, turned as its file says (EXIF).
 ///
 /// # Errors
 /// A file that cannot be read, is no PNG, JPEG or BMP picture, or is larger than 16,384 pixels a
@@ -52,7 +53,12 @@ pub fn load_texture(path: &Path) -> Result<Image> {
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let picture = reader.decode().map_err(|error| fail(error.to_string()))?;
+    let mut decoder = reader.into_decoder().map_err(|error| fail(error.to_string()))?;
+    // How a camera was held stands beside the pixels.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut picture =
+        DynamicImage::from_decoder(decoder).map_err(|error| fail(error.to_string()))?;
+    picture.apply_orientation(orientation);
     Ok(picture.into_rgba8())
 }
 
@@ -68,6 +74,47 @@ pub(super) fn brick() -> Image {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A JPEG of 16 × 8 pixels, red to the left and blue to the right, with an EXIF block that says how it is to
+    /// be turned.
+    fn jpeg(orientation: u8) -> Vec<u8> {
+        let color = |x| if x < 8 { [255, 0, 0] } else { [0, 0, 255] };
+        let image = image::RgbImage::from_fn(16, 8, |x, _| image::Rgb(color(x)));
+        let mut bytes = Cursor::new(Vec::new());
+        image.write_to(&mut bytes, ImageFormat::Jpeg).unwrap();
+        // One entry of a little-endian TIFF directory: tag 0x0112, a short, once.
+        let mut exif = b"Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".to_vec();
+        exif.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
+        let mut whole = vec![0xff, 0xd8, 0xff, 0xe1];
+        whole.extend((exif.len() as u16 + 2).to_be_bytes());
+        whole.extend(exif);
+        whole.extend(&bytes.get_ref()[2..]);
+        whole
+    }
+
+    #[test]
+    fn pictures_are_turned_as_their_files_say() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.jpg");
+        let is_red = |pixel: &image::Rgba<u8>| pixel.0[0] > 200 && pixel.0[2] < 60;
+        // Where red lies in the picture as it is to be seen.
+        for (orientation, size, red, blue) in [
+            (1, (16, 8), (2, 4), (13, 4)),
+            (2, (16, 8), (13, 4), (2, 4)),
+            (3, (16, 8), (13, 4), (2, 4)),
+            (4, (16, 8), (2, 4), (13, 4)),
+            (5, (8, 16), (4, 2), (4, 13)),
+            (6, (8, 16), (4, 2), (4, 13)),
+            (7, (8, 16), (4, 13), (4, 2)),
+            (8, (8, 16), (4, 13), (4, 2)),
+        ] {
+            std::fs::write(&path, jpeg(orientation)).unwrap();
+            let image = load_texture(&path).unwrap();
+            assert_eq!(image.dimensions(), size, "{orientation}");
+            assert!(is_red(image.get_pixel(red.0, red.1)), "{orientation}");
+            assert!(!is_red(image.get_pixel(blue.0, blue.1)), "{orientation}");
+        }
+    }
 
     #[test]
     fn what_the_program_only_writes_is_no_picture_for_a_surface() {
