@@ -49,6 +49,9 @@ pub struct Frame {
 ///
 /// The context must be current whenever the renderer or something made with it is used or dropped.
 ///
+/// Where the clip planes of a perspective lie far apart, depth is the distance along the view axis over that of
+/// the farther plane; else it is OpenGL's. Either grows with the distance, and is cleared to 1.
+///
 /// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
 /// rasterizer discard or program point size; filled polygons; the patch size; the textures of units
 /// 0 to 6 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no

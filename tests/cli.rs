@@ -46,6 +46,78 @@ fn standard_output_gets_the_picture_and_nothing_else() {
 }
 
 #[test]
+fn a_scene_comes_from_standard_input() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let patch: String = (0..16).map(|i| format!("{} {} 0\n", i % 4, i / 4)).collect();
+    let patch = format!("\n1\n3 3\n{patch}");
+    folder.write("b.bpt", &patch);
+    let size = ["--resolution", "32x24"];
+    for (name, text) in [("a.toml", SCENE), ("b.bpt", patch.as_str())] {
+        let output = folder.run_with(&[&["render", "-", "-o", "in.png"][..], &size].concat(), text);
+        assert!(output.status.success(), "{output:?}");
+        assert!(
+            folder.run(&[&["render", name, "-o", "file.png"][..], &size].concat()).status.success()
+        );
+        let [a, b] = ["in.png", "file.png"].map(|name| std::fs::read(folder.path(name)).unwrap());
+        assert!(a == b, "{name}");
+    }
+    // Its picture has the program's name.
+    assert!(folder.run_with(&[&["render", "-"][..], &size].concat(), SCENE).status.success());
+    assert!(folder.path("freeform.png").exists());
+    for (scenes, text, words) in [
+        (&["-"][..], "", "cannot read standard input: it is empty"),
+        (&["-"], "[[surface]]\nx = 1\n", "standard input:2: "),
+        (&["-", "-"], SCENE, "standard input once"),
+    ] {
+        let output = folder.run_with(&[&["render"], scenes].concat(), text);
+        let said = std::str::from_utf8(&output.stderr).unwrap();
+        assert_eq!((output.status.code(), said.lines().count()), (Some(1), 1), "{said}");
+        assert!(said.contains(words), "{said}");
+    }
+}
+
+#[test]
+fn what_stands_upright_is_the_same_bare_and_in_a_scene() {
+    let folder = Folder::new();
+    let teapot = resource("surfaces/teapot.bpt");
+    let scene = format!("[[surface]]\nfile = {teapot:?}\n");
+    folder.write("plain.toml", &scene);
+    folder.write("y.toml", format!("[render]\nup = \"y\"\n{scene}"));
+    let render = |arguments: &[&str]| {
+        let picture = ["-o", "out.png", "--resolution", "80x60"];
+        let output = folder.run(&[&["render"], arguments, &picture].concat());
+        assert!(output.status.success(), "{output:?}");
+        std::fs::read(folder.path("out.png")).unwrap()
+    };
+    let bare = render(&[&teapot]);
+    assert!(render(&["plain.toml"]) == bare);
+    assert!(render(&["y.toml", "--up", "z"]) == bare);
+    let lying = render(&["y.toml"]);
+    assert!(lying != bare && render(&[&teapot, "--up=y"]) == lying);
+    let wrong = folder.run(&["render", &teapot, "--up", "x"]);
+    assert_eq!(wrong.status.code(), Some(2));
+    assert!(text(&wrong.stderr).contains("expected y or z"));
+}
+
+#[test]
+fn verbose_tells_of_edges_that_no_surface_has() {
+    let folder = Folder::new();
+    let fans =
+        "v 0 0 0\nv 0 0 1\nv 1 0 0\nv -1 1 0\nv -1 -1 0\nf 1 2 3\nf 1 2 4\nf 2 1 5\nf 1 1 3\n";
+    folder.write("fans.obj", fans);
+    let quiet = folder.run(&["render", "fans.obj", "--resolution", "8x8"]);
+    assert!(quiet.status.success() && quiet.stderr.is_empty(), "{quiet:?}");
+    let output = folder.run(&["render", "fans.obj", "--resolution", "8x8", "--verbose"]);
+    let said = text(&output.stderr);
+    let words = [
+        "freeform: fans.obj: 1 edge of more than two triangles; they are borders",
+        "freeform: fans.obj: 1 triangle with the same position twice left out",
+    ];
+    assert!(words.iter().all(|word| said.contains(word)), "{said}");
+}
+
+#[test]
 fn a_transparent_background_stays_transparent() {
     let folder = Folder::new();
     folder.write("a.toml", format!("render = {{ background = [0, 0, 0, 0] }}\n{SCENE}"));

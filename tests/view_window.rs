@@ -390,6 +390,29 @@ fn broken_files_and_tiny_windows_lose_nothing() {
 }
 
 #[test]
+fn every_file_that_a_scene_names_is_watched() {
+    let folder = Folder::new();
+    let save = |color: [u8; 4]| {
+        let picture = image::RgbaImage::from_pixel(4, 4, image::Rgba(color));
+        // As editors do it: another file takes its place.
+        picture.save(folder.path("new.png")).unwrap();
+        std::fs::rename(folder.path("new.png"), folder.path("picture.png")).unwrap();
+    };
+    save([255, 255, 255, 255]);
+    let textured = SQUARE.replace("color = [1.0, 1.0, 1.0]", "texture = \"picture.png\"");
+    assert_ne!(textured, SQUARE);
+    let path = folder.write("a.toml", textured.replace("\"flat\"", "\"texture\""));
+    let mut screen = Screen::start(&["--watch", path.to_str().unwrap()]);
+    screen.keys(&["h", "h"]);
+    let start = screen.picture();
+    save([0, 0, 255, 255]);
+    std::thread::sleep(Duration::from_millis(400));
+    screen.rest();
+    assert!(changed(&start, &screen.picture()) > 50_000, "the picture as it is now");
+    screen.quit("Escape");
+}
+
+#[test]
 fn dropped_files_open_and_what_is_none_is_told() {
     let folder = Folder::new();
     let path = folder.write("a.toml", SQUARE);

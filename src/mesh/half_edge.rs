@@ -361,7 +361,7 @@ impl HalfedgeMesh {
         let ends = [halfedge, self.next(halfedge)];
         if let Some(fan) = self.connectivity.fan(halfedge) {
             let at = |end: usize| {
-                let against = fan.iter().any(|side| *side == (halfedge, true));
+                let against = fan.contains(&(halfedge, true));
                 let mut of_sides = fan.iter().map(|(halfedge, other)| {
                     let end = if *other == against { end } else { 1 - end };
                     normal([*halfedge, self.next(*halfedge)][end])

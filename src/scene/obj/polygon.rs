@@ -85,9 +85,9 @@ impl<'a> Ears<'a> {
             after: (0..count).map(|i| (i + 1) % count).collect(),
             blockers: Blockers::new(corners),
         };
-        for corner in 0..count {
+        for (corner, place) in corners.iter().enumerate() {
             if !is_clear(ears.triangle(corner)) {
-                ears.blockers.add(corner, corners[corner]);
+                ears.blockers.add(corner, *place);
             }
         }
         ears
