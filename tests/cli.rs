@@ -101,6 +101,30 @@ fn what_stands_upright_is_the_same_bare_and_in_a_scene() {
 }
 
 #[test]
+fn a_path_outside_of_the_domain_is_warned_of() {
+    let folder = Folder::new();
+    let scene = |path: &str| {
+        format!("[[surface]]\ncontrol_points = \"default\"\n[[surface.trim]]\npath = \"{path}\"\n")
+    };
+    for (path, words) in [
+        (
+            "M2 2 h1 v1 z M-3 .5 h1 v1 z",
+            "freeform: warning: a.toml:3: the path lies wholly outside",
+        ),
+        // In reach of the domain, and one subpath in it.
+        ("M-1 .5 h1.5 v1 z", ""),
+        ("M2 2 h1 v1 z M.2 .2 h.1 v.1 z", ""),
+    ] {
+        folder.write("a.toml", scene(path));
+        let output = folder.run(&["render", "a.toml", "--resolution", "8x8"]);
+        let said = text(&output.stderr);
+        assert!(output.status.success(), "{said}");
+        assert!(if words.is_empty() { said.is_empty() } else { said.starts_with(words) }, "{said}");
+        assert!(said.lines().count() <= 1, "{said}");
+    }
+}
+
+#[test]
 fn verbose_tells_of_edges_that_no_surface_has() {
     let folder = Folder::new();
     let fans =
@@ -306,14 +330,14 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
         ),
         (surface("control_points = \"default\"\nkeep = \"both\""), &[":3:", "both", "inside"]),
         (
-            surface("control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 L1 1\""),
-            &[":3:", "loop 0", "segment 0", "gap"],
+            surface("control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 Z\""),
+            &[":3:", "path is empty", "subpath with a segment"],
         ),
         (
             surface(
-                "control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z M0 0Z\"",
+                "control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z M0 0 L1e16 0Z\"",
             ),
-            &[":5:", "loop 2: loop is empty"],
+            &[":5:", "loop 2", "finite"],
         ),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]".into(), &[":1:", "camera eye"]),
         (surface("control_points = \"defualt\""), &[":2:", "default"]),

@@ -261,8 +261,17 @@ impl Builder<'_> {
         };
         let mut loop_places = Vec::new();
         for trim in table.trim {
-            let place = self.chunk + trim.span().start;
+            let start = trim.span().start;
+            let place = self.chunk + start;
+            let before = trims.loops.len();
             self.check(trim, |trim| add_trim(trim, &mut trims))?;
+            if is_outside(&trims.loops[before..]) {
+                log::warn!(
+                    "{}:{}: the path lies wholly outside of the domain, [0, 1] × [0, 1]",
+                    self.path.display(),
+                    line_of(self.text, place)
+                );
+            }
             loop_places.resize(trims.loops.len(), place);
         }
         if trims.keep == Keep::Inside && trims.loops.is_empty() {
@@ -467,6 +476,15 @@ pub(super) fn transform(
     Ok(DMat4::from_translation(translate)
         * DMat4::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)
         * DMat4::from_scale(DVec3::splat(scale)))
+}
+
+/// Whether there are loops, none of which reaches into the domain.
+fn is_outside(loops: &[TrimLoop]) -> bool {
+    let beyond = |trim_loop: &TrimLoop| {
+        let [low, high] = trim_loop.control_box();
+        high.min_element() < 0.0 || low.max_element() > 1.0
+    };
+    !loops.is_empty() && loops.iter().all(beyond)
 }
 
 fn add_trim(trim: TrimTable, trims: &mut Trims) -> Result<()> {

@@ -35,12 +35,12 @@ impl Trims {
 
 impl TrimLoop {
     /// The loops of SVG path data in (u, v): every command of SVG, absolute and relative. Arcs become
-    /// cubics that are off by 1e-8 of the domain at most. Each subpath is a loop and must end where
-    /// it began, by itself or by `Z`; one without segments is refused.
+    /// cubics that are off by 1e-8 of the domain at most. Each subpath is a loop: as SVG fills them, one that
+    /// does not end where it began is closed by a line, and one without segments is nothing.
     ///
     /// # Errors
-    /// Text that is no path data, with the place of the fault; a path without a subpath; an empty or
-    /// open subpath or a number that is not finite, by the numbers of loop and segment.
+    /// Text that is no path data, with the place of the fault; a path without any segment; a number that is not
+    /// finite, by the numbers of loop and segment.
     pub fn from_svg_path(data: &str) -> Result<Vec<Self>> {
         read(data, 0)
     }
@@ -54,7 +54,7 @@ fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
     }
     reader.end_loop()?;
     if reader.loops.is_empty() {
-        return Err(Error::invalid("path", "empty", "at least one closed subpath"));
+        return Err(Error::invalid("path", "empty", "at least one subpath with a segment"));
     }
     Ok(reader.loops)
 }
@@ -152,10 +152,6 @@ impl Reader {
                 self.arc(radii, x_axis_rotation.to_radians(), [large_arc, sweep], at(x, y))?;
             }
             PathSegment::ClosePath { .. } => {
-                self.open = true;
-                if self.current.distance(self.start) >= SNAP {
-                    self.line(self.start);
-                }
                 self.end_loop()?;
                 self.current = self.start;
             }
@@ -225,7 +221,11 @@ impl Reader {
     }
 
     fn end_loop(&mut self) -> Result<()> {
-        if std::mem::take(&mut self.open) {
+        if std::mem::take(&mut self.open) && !self.segments.is_empty() {
+            if self.current.distance(self.start) >= SNAP {
+                self.line(self.start);
+            }
+            self.open = false;
             let segments = std::mem::take(&mut self.segments);
             let trim_loop = TrimLoop::new(segments).map_err(|error| self.blame(error))?;
             self.closed += trim_loop.segments.len();
@@ -289,6 +289,28 @@ mod tests {
     }
 
     #[test]
+    fn open_subpaths_are_closed_and_empty_ones_are_nothing() {
+        let closed = points("M.1 .2 L.3 .2 L.3 .4 Z");
+        for same in [
+            "M.1 .2 L.3 .2 L.3 .4",
+            "M.1 .2 L.3 .2 L.3 .4 z z",
+            "M0 0 M.1 .2 L.3 .2 L.3 .4 Z M.9 .9",
+            "M0 0 Z M.1 .2 L.3 .2 L.3 .4 M.5 .5 z",
+            "M.1 .2 L.3 .2 L.3 .4 L.1 .2",
+        ] {
+            assert_eq!(points(same), closed, "{same}");
+        }
+        // What follows goes on from where the open one ended, or from where the closed one began.
+        let open = points("M.1 .2 L.3 .2 L.3 .4 m.1 0 h.1 v.1");
+        assert!(open[1][0][0].distance(dvec2(0.4, 0.4)) < 1e-15);
+        let begun = points("M.1 .2 L.3 .2 L.3 .4 z h.1 v.1");
+        assert_eq!(begun[1][0][0], dvec2(0.1, 0.2));
+        assert_eq!(begun[1].len(), 3);
+        let arc = points("M.1 .5 A.4 .4 0 0 1 .9 .5");
+        assert_eq!(arc[0].last().unwrap(), &[dvec2(0.9, 0.5), dvec2(0.1, 0.5)]);
+    }
+
+    #[test]
     fn arcs_are_as_close_as_stated() {
         // A circle in two arcs, one with the flags run together as SVG allows.
         let data = "M.1 .5 A.4 .4 0 0 1 .9 .5 a.4 .4 0 01-.8 0 Z";
@@ -311,8 +333,8 @@ mod tests {
             ("", &["path", "empty"][..]),
             ("M0 0 L1 0 x", &["path", "position 11"]),
             ("L0 0", &["path", "SVG path data"]),
-            ("M0 0 L1 0 L1 1", &["loop 0", "segment 1", "gap"]),
-            ("M0 0 L1 0 L1 1 Z M0 0 Z", &["loop 1", "empty"]),
+            ("M0 0", &["path", "empty", "subpath with a segment"]),
+            ("M0 0 Z z M1 1", &["path", "empty"]),
             ("M0 0 L1e999 0 Z", &["path", "position 7"]),
             ("M0 0 L1e16 0 Z", &["loop 0", "segment 0", "finite"]),
             ("M0 0 A1e16 1 0 0 1 1 1 Z", &["loop 0", "radii of the arc in segment 0", "finite"]),
