@@ -1,6 +1,7 @@
 //! Triangle meshes in a scene.
 
 use std::ops::Range;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
@@ -96,31 +97,43 @@ impl MeshModel {
         })
     }
 
-    /// Points of the surface in world space: corners, middles of edges and of triangles.
+    /// Points of the surface in world space: corners, and of smooth triangles the middles of edges and of the
+    /// triangles themselves.
     pub(super) fn samples(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
         const THIRD: f64 = 1.0 / 3.0;
-        const PLACES: [[f64; 3]; 5] = [
-            [1.0, 0.0, 0.0],
-            [0.5, 0.5, 0.0],
-            [0.0, 0.5, 0.5],
-            [0.5, 0.0, 0.5],
-            [THIRD, THIRD, THIRD],
-        ];
-        (0..self.mesh.mesh().triangles().len() as u32).flat_map(move |triangle| {
+        const PLACES: [[f64; 3]; 4] =
+            [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [THIRD, THIRD, THIRD]];
+        let mesh = self.mesh.mesh();
+        // Each corner once, however many triangles have it.
+        let mut is_corner = vec![false; mesh.positions().len()];
+        for corner in mesh.triangles().iter().flatten() {
+            is_corner[corner.position as usize] = true;
+        }
+        let is_corner: Rc<[bool]> = is_corner.into();
+        let corners = (0..is_corner.len())
+            .filter(move |position| is_corner[*position])
+            .map(|position| mesh.positions()[position]);
+        let is_flat = self.smoothing == Smoothing::None;
+        let smooth = if is_flat { 0 } else { mesh.triangles().len() as u32 };
+        let inner = (0..smooth).flat_map(move |triangle| {
             let curved = self.curved(triangle);
-            let corners = self.mesh.triangle(triangle).positions;
-            PLACES
-                .map(|[u, v, w]| curved.position(u, v, w))
-                .into_iter()
-                .chain(corners)
-                .map(|point| self.transform.transform_point3(point))
-        })
+            PLACES.map(|[u, v, w]| curved.position(u, v, w))
+        });
+        corners.chain(inner).map(|point| self.transform.transform_point3(point))
     }
 }
 
 /// The corners of a box around the control points of all triangles.
 fn hull(mesh: &HalfedgeMesh, smoothing: Smoothing) -> [DVec3; 2] {
     let mut hull = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    if smoothing == Smoothing::None {
+        let positions = mesh.mesh().positions();
+        for corner in mesh.mesh().triangles().iter().flatten() {
+            let point = positions[corner.position as usize];
+            hull = [hull[0].min(point), hull[1].max(point)];
+        }
+        return hull;
+    }
     for triangle in 0..mesh.mesh().triangles().len() as u32 {
         let curved = Curved::new(&mesh.triangle(triangle), smoothing);
         curved.with_control_points(|points| {

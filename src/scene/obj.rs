@@ -101,7 +101,8 @@ fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>
     if obj.triangles.is_empty() {
         return Err(unreadable(path, obj.without_faces()));
     }
-    let Obj { positions, normals, coordinates, colors, mut triangles, mut runs, .. } = obj;
+    let Obj { mut positions, normals, coordinates, colors, mut triangles, mut runs, .. } = obj;
+    positions.shrink_to_fit();
     let dropped = weld(&positions, &mut triangles);
     if !dropped.is_empty() {
         let path = path.display();
@@ -135,6 +136,7 @@ fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>
             next += run.count;
         }
     }
+    triangles.shrink_to_fit();
     let mesh = Mesh::new(positions, normals, coordinates, triangles, crease)
         .and_then(|mesh| mesh.with_colors(colors))
         .map_err(|error| unreadable(path, error))?;

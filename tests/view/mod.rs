@@ -72,7 +72,7 @@ impl Screen {
             let (frames, log) = (Arc::clone(&frames), Arc::clone(&log));
             move || {
                 for line in BufReader::new(errors).lines().map_while(Result::ok) {
-                    if line.contains("] frame ") {
+                    if line.contains("debug: frame ") {
                         frames.fetch_add(1, Ordering::SeqCst);
                     } else {
                         let mut log = log.lock().unwrap();
