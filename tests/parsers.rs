@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use freeform_surface::{Degree, Scene, TrimGrid, TrimLoop, Trims};
+use freeform_surface::{CreaseAngle, Degree, Mesh, Scene, TrimGrid, TrimLoop, Trims};
 use glam::vec2;
 use proptest::prelude::*;
 
@@ -254,6 +254,31 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         let text = in_path(&piece.repeat(MIB / piece.len() - 100));
         let bytes = most_memory(|| drop(Scene::from_toml(&text, Path::new("x.toml"))));
         assert!(bytes <= 160 * MIB, "{piece}: {bytes} bytes");
+    }
+}
+
+/// Reading takes memory in proportion to the triangles: a file of two million fits in half a gigabyte.
+#[test]
+fn a_mesh_takes_few_bytes_a_triangle() {
+    let _turn = TURN.lock();
+    for side in [50, 160, 500] {
+        let mut text = String::new();
+        for i in 0..(side + 1) * (side + 1) {
+            let (x, y) = (i % (side + 1), i / (side + 1));
+            text += &format!("v {x} {y} {}\n", x * y % 7);
+        }
+        for (x, y) in (0..side).flat_map(|y| (0..side).map(move |x| (x, y))) {
+            let a = y * (side + 1) + x + 1;
+            let b = a + side + 1;
+            text += &format!("f {a} {} {}\nf {a} {} {b}\n", a + 1, b + 1, b + 1);
+        }
+        let path = Path::new("x.obj");
+        let crease = CreaseAngle::default();
+        let most = most_memory(|| drop(Mesh::read_obj(text.as_bytes(), path, crease).unwrap()));
+        let each = most / (2 * side * side);
+        println!("{side}: {each} bytes a triangle");
+        // The mesh itself takes some 80; its neighbours and normals in the making the rest.
+        assert!(each <= 180, "{each} bytes for each of {} triangles", 2 * side * side);
     }
 }
 
