@@ -67,6 +67,7 @@ pub struct Renderer {
     parts_array: VertexArray,
     corners_array: VertexArray,
     flat_array: VertexArray,
+    bare_array: VertexArray,
     /// What lines are painted with.
     line_paint: Texture,
     draw_size: DrawSize,
@@ -102,6 +103,7 @@ impl Renderer {
             parts_array: VertexArray::of_parts(gl)?,
             corners_array: VertexArray::of_corners(gl)?,
             flat_array: VertexArray::of_flat_corners(gl)?,
+            bare_array: VertexArray::of_bare_corners(gl)?,
             line_paint: Paint::Color([1.0, 0.0, 0.0]).upload(gl)?,
             draw_size: draw_size(gl),
         })
@@ -421,6 +423,7 @@ impl Renderer {
         self.parts_array.unbind();
         self.corners_array.unbind();
         self.flat_array.unbind();
+        self.bare_array.unbind();
         // SAFETY: the context is current (see the type).
         unsafe {
             self.gl.polygon_mode(glow::FRONT_AND_BACK, glow::FILL);

@@ -50,9 +50,26 @@ impl VertexArray {
     /// # Errors
     /// The driver has no vertex array.
     pub fn of_flat_corners(gl: &Arc<glow::Context>) -> Result<Self> {
-        let array = Self::new(gl, "corners of flat triangles", 32)?;
-        array.floats(0, 4, 0);
-        array.floats(1, 4, 16);
+        Self::of_corners_without_edges(gl, "corners of flat triangles", 4)
+    }
+
+    /// Corners of flat triangles without texture coordinates: attributes 0 and 1 are a `vec3`, whose fourth number
+    /// OpenGL makes 1.
+    ///
+    /// # Errors
+    /// The driver has no vertex array.
+    pub fn of_bare_corners(gl: &Arc<glow::Context>) -> Result<Self> {
+        Self::of_corners_without_edges(gl, "bare corners of flat triangles", 3)
+    }
+
+    fn of_corners_without_edges(
+        gl: &Arc<glow::Context>,
+        label: &str,
+        components: i32,
+    ) -> Result<Self> {
+        let array = Self::new(gl, label, 8 * components)?;
+        array.floats(0, components, 0);
+        array.floats(1, components, 4 * components as u32);
         array.colors();
         Ok(array)
     }

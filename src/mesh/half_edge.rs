@@ -10,6 +10,7 @@
 //! ```
 
 use std::fmt;
+use std::sync::OnceLock;
 
 use glam::DVec3;
 
@@ -233,27 +234,39 @@ pub struct SmoothTriangle {
 /// It may have borders and several components, triangles that touch in a vertex alone, and edges that are no
 /// surface's, of three triangles or more. Normals and texture coordinates are of no concern to what is
 /// connected.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct HalfedgeMesh {
     mesh: Mesh,
-    connectivity: Connectivity,
+    /// Found when it is first asked for: a mesh that is drawn as it is needs no neighbours.
+    connectivity: OnceLock<Connectivity>,
+}
+
+impl PartialEq for HalfedgeMesh {
+    fn eq(&self, other: &Self) -> bool {
+        self.mesh == other.mesh && self.connectivity() == other.connectivity()
+    }
 }
 
 impl HalfedgeMesh {
-    /// Finds the neighbours: two triangles that run through an edge in opposite directions. Other edges are
-    /// borders; those that several triangles have in common nevertheless stay one edge
+    /// Neighbours are two triangles that run through an edge in opposite directions. Other edges are borders;
+    /// those that several triangles have in common nevertheless stay one edge
     /// ([`HalfedgeMesh::shared_borders`]).
     #[must_use]
-    pub fn new(mesh: Mesh) -> Self {
-        let connectivity = Connectivity::new(mesh.positions().len(), mesh.triangles());
-        Self { mesh, connectivity }
+    pub const fn new(mesh: Mesh) -> Self {
+        Self { mesh, connectivity: OnceLock::new() }
+    }
+
+    fn connectivity(&self) -> &Connectivity {
+        let mesh = &self.mesh;
+        self.connectivity
+            .get_or_init(|| Connectivity::new(mesh.positions().len(), mesh.triangles()))
     }
 
     /// How many edges several triangles have in common without being neighbours there.
     #[must_use]
     pub fn shared_borders(&self) -> SharedBorders {
-        let same_way = self.connectivity.fans.iter().filter(|fan| fan.len() == 2).count();
-        SharedBorders { crowded: self.connectivity.fans.len() - same_way, same_way }
+        let same_way = self.connectivity().fans.iter().filter(|fan| fan.len() == 2).count();
+        SharedBorders { crowded: self.connectivity().fans.len() - same_way, same_way }
     }
 
     /// The mesh.
@@ -270,20 +283,20 @@ impl HalfedgeMesh {
 
     /// The number of half-edges: three for each triangle.
     #[must_use]
-    pub const fn halfedges(&self) -> u32 {
-        self.connectivity.twins.len() as u32
+    pub fn halfedges(&self) -> u32 {
+        3 * self.mesh.triangles().len() as u32
     }
 
     /// The number of edges.
     #[must_use]
-    pub const fn edges(&self) -> u32 {
-        self.connectivity.halfedges.len() as u32
+    pub fn edges(&self) -> u32 {
+        self.connectivity().halfedges.len() as u32
     }
 
     /// The half-edge that runs the other way in the neighbour; none at a border.
     #[must_use]
     pub fn twin(&self, halfedge: u32) -> Option<u32> {
-        Some(self.connectivity.twins[halfedge as usize]).filter(|twin| *twin != NONE)
+        Some(self.connectivity().twins[halfedge as usize]).filter(|twin| *twin != NONE)
     }
 
     /// The next half-edge of the same triangle.
@@ -301,7 +314,7 @@ impl HalfedgeMesh {
     /// The edge of the half-edge.
     #[must_use]
     pub fn edge(&self, halfedge: u32) -> u32 {
-        self.connectivity.edges[halfedge as usize]
+        self.connectivity().edges[halfedge as usize]
     }
 
     /// The triangle of the half-edge.
@@ -313,7 +326,7 @@ impl HalfedgeMesh {
     /// The first half-edge of an edge.
     #[must_use]
     pub fn halfedge(&self, edge: u32) -> u32 {
-        self.connectivity.halfedges[edge as usize]
+        self.connectivity().halfedges[edge as usize]
     }
 
     /// The mesh after a step, whose neighbours follow from those of this one. Beside
@@ -323,7 +336,7 @@ impl HalfedgeMesh {
     /// More than [`Mesh::MAX_TRIANGLES`].
     pub fn step(&self, smoothing: Smoothing) -> Result<Self> {
         let mesh = self.tessellate(smoothing)?;
-        Ok(Self { mesh, connectivity: self.connectivity.tessellated() })
+        Ok(Self { mesh, connectivity: self.connectivity().tessellated().into() })
     }
 
     /// The corner that the half-edge begins at.
@@ -359,7 +372,7 @@ impl HalfedgeMesh {
         let normals = self.mesh.normals();
         let normal = |halfedge: u32| normals[self.corner(halfedge).normal as usize];
         let ends = [halfedge, self.next(halfedge)];
-        if let Some(fan) = self.connectivity.fan(halfedge) {
+        if let Some(fan) = self.connectivity().fan(halfedge) {
             let at = |end: usize| {
                 let against = fan.contains(&(halfedge, true));
                 let mut of_sides = fan.iter().map(|(halfedge, other)| {

@@ -33,6 +33,14 @@ struct FlatCorner {
     normal: [f32; 4],
 }
 
+/// The same without texture coordinates.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct BareCorner {
+    position: [f32; 3],
+    normal: [f32; 3],
+}
+
 /// A corner of a smooth triangle.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
@@ -124,7 +132,14 @@ impl PreparedMesh {
             }
         };
         let all = || mesh.triangles().iter().flatten();
-        let corners = if is_flat {
+        let corners = if is_flat && mesh.coordinates().is_empty() {
+            let bare = |corner| {
+                let FlatCorner { position: [x, y, z, _], normal: [a, b, c, _] } =
+                    flat_corner(corner);
+                BareCorner { position: [x, y, z], normal: [a, b, c] }
+            };
+            Buffer::of_values(gl, "bare corners of flat triangles", 3 * count, all().map(bare))?
+        } else if is_flat {
             let corners = all().map(flat_corner);
             Buffer::of_values(gl, "corners of flat triangles", 3 * count, corners)?
         } else {
@@ -235,7 +250,8 @@ impl PreparedMesh {
         };
         self.needs.clear();
         self.edges.clear();
-        self.edges.resize(mesh.edges() as usize, 0);
+        // At one level all edges have it.
+        self.edges.resize(if fixed.is_none() { mesh.edges() as usize } else { 0 }, 0);
         for triangle in 0..triangles {
             let bound = bound(triangle);
             let need = bound.map_or(0, |bound| fixed.unwrap_or_else(|| bound.level(&screen)));
@@ -246,16 +262,20 @@ impl PreparedMesh {
                     raise(&mut figures.unmet, error);
                 }
             }
-            for k in 0..3 {
-                let edge = &mut self.edges[mesh.edge((3 * triangle + k) as u32) as usize];
-                *edge = need.max(*edge);
+            if fixed.is_none() {
+                for k in 0..3 {
+                    let edge = &mut self.edges[mesh.edge((3 * triangle + k) as u32) as usize];
+                    *edge = need.max(*edge);
+                }
             }
             self.needs.push(need);
         }
         self.words.clear();
         for (triangle, need) in self.needs.iter().enumerate() {
-            let edges = [0, 1, 2]
-                .map(|k| u32::from(self.edges[mesh.edge((3 * triangle + k) as u32) as usize]));
+            let edges: [u32; 3] = [0, 1, 2].map(|k| match fixed {
+                Some(level) => level.into(),
+                None => self.edges[mesh.edge((3 * triangle + k) as u32) as usize].into(),
+            });
             let inside = edges[0].max(edges[1]).max(edges[2]);
             let drawn = *need > 0;
             let word = edges[0] | edges[1] << 8 | edges[2] << 16 | inside << 24;
@@ -339,8 +359,13 @@ impl Renderer {
         }
         levels.bind(LEVELS_UNIT);
         self.set_state(3, frame.settings.wireframe);
-        let array =
-            if smoothing == Smoothing::None { &self.flat_array } else { &self.corners_array };
+        let array = match smoothing {
+            Smoothing::None if mesh.model.mesh().mesh().coordinates().is_empty() => {
+                &self.bare_array
+            }
+            Smoothing::None => &self.flat_array,
+            _ => &self.corners_array,
+        };
         array.bind(&mesh.corners);
         array.bind_colors(mesh.colors.as_ref().filter(|_| colored));
         let mut paint = None;

@@ -50,9 +50,12 @@ pub(super) fn load(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Re
     if !model.mesh().mesh().colors().is_empty() {
         model.paint = Paint::Color([1.0; 3]);
     }
-    let shared = model.mesh().shared_borders();
-    if shared != SharedBorders::default() {
-        log::info!("{}: {shared}; they are borders", path.display());
+    // To count them takes time.
+    if log::log_enabled!(log::Level::Info) {
+        let shared = model.mesh().shared_borders();
+        if shared != SharedBorders::default() {
+            log::info!("{}: {shared}; they are borders", path.display());
+        }
     }
     let unknown: Vec<&str> = names
         .iter()
