@@ -102,6 +102,6 @@ pub use scene::{
 pub use surface::FreeFormSurface;
 pub use tessellation::FrameFigures;
 pub use trim::{
-    Circle, Ellipse, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop, Trims,
-    inside_loops, ray_crosses_odd,
+    Circle, Ellipse, FillRule, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop,
+    TrimPath, Trims, inside_loops, ray_crossings, winding_number,
 };

@@ -384,6 +384,7 @@ impl FreeFormSurface {
         trims.intervals.clear();
         trims.ellipses.clear();
         trims.loops.clear();
+        trims.paths.clear();
         self.segments = 0;
         self.forget_trims();
     }
@@ -432,6 +433,7 @@ impl FreeFormSurface {
 
     fn replace_loops(&mut self, loops: Vec<TrimLoop>) {
         self.surface.trims.loops = loops;
+        self.surface.trims.paths.clear();
         self.segments = self.surface.trims.segment_count();
         self.forget_trims();
     }

@@ -1,9 +1,10 @@
 //! What is cut out of a surface, as plain data over its (u, v) domain.
 //!
 //! Circles, intervals and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
-//! inside a loop is an island that stays.
+//! inside a loop is an island that stays. Paths are filled each by a rule of its own.
 
 mod exact;
+mod fill;
 mod grid;
 mod inside;
 mod lattice;
@@ -15,7 +16,8 @@ mod shapes;
 use glam::DVec2;
 
 pub use exact::TrimGrid;
-pub use inside::{inside_loops, ray_crosses_odd};
+pub use fill::{FillRule, TrimPath};
+pub use inside::{inside_loops, ray_crossings, winding_number};
 pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};
 
@@ -37,6 +39,15 @@ fn check_count(number: usize, count: usize, others: usize) -> Result<()> {
             "one too many",
             format!("at most {MAX_SEGMENTS} in all loops of a surface"),
         ));
+    }
+    Ok(())
+}
+
+/// Checks the number of segments of loops in turn, of which the first has the number `first`.
+fn check_counts(loops: &[TrimLoop], first: usize, mut others: usize) -> Result<()> {
+    for (number, trim_loop) in (first..).zip(loops) {
+        check_count(number, trim_loop.segments.len(), others)?;
+        others += trim_loop.segments.len();
     }
     Ok(())
 }
@@ -296,7 +307,10 @@ pub struct Trims {
     pub ellipses: Vec<Ellipse>,
     /// Loops, combined by even-odd while [`Trims::loops_on`].
     pub loops: Vec<TrimLoop>,
-    /// Which side of the loops stays, if there are any.
+    /// Paths, each filled by its own rule while [`Trims::loops_on`]: what is inside of one of them is
+    /// inside, whatever the loops and the other paths say.
+    pub paths: Vec<TrimPath>,
+    /// Which side of the loops and paths stays, if there are any.
     pub keep: Keep,
     /// Switch of the circles.
     pub circles_on: bool,
@@ -304,7 +318,7 @@ pub struct Trims {
     pub intervals_on: bool,
     /// Switch of the ellipses.
     pub ellipses_on: bool,
-    /// Switch of the loops.
+    /// Switch of the loops and paths.
     pub loops_on: bool,
 }
 
@@ -316,6 +330,7 @@ impl Default for Trims {
             intervals: Vec::new(),
             ellipses: Vec::new(),
             loops: Vec::new(),
+            paths: Vec::new(),
             keep: Keep::Outside,
             circles_on: true,
             intervals_on: true,
@@ -345,7 +360,7 @@ impl Trims {
     /// How many segments all loops have together.
     #[must_use]
     pub fn segment_count(&self) -> usize {
-        self.loops.iter().map(|trim_loop| trim_loop.segments.len()).sum()
+        self.all_loops().map(|trim_loop| trim_loop.segments.len()).sum()
     }
 
     /// Checks every shape, as its constructor would have: the fields are public.
@@ -354,7 +369,7 @@ impl Trims {
     /// The first shape that its constructor refuses, too many segments.
     pub fn check(&self) -> Result<()> {
         let mut segments = 0;
-        for (number, trim_loop) in self.loops.iter().enumerate() {
+        for (number, trim_loop) in self.all_loops().enumerate() {
             check_count(number, trim_loop.segments.len(), segments)?;
             segments += trim_loop.segments.len();
         }
@@ -381,8 +396,8 @@ impl Trims {
     /// Whether `uv` is cut, decided exactly.
     #[must_use]
     pub fn cut(&self, uv: DVec2) -> bool {
-        let loops_cut = || inside_loops(&self.loops, uv) != (self.keep == Keep::Inside);
-        self.shapes_cut(uv) || (self.loops_on && !self.loops.is_empty() && loops_cut())
+        let loops_cut = || self.inside(uv) != (self.keep == Keep::Inside);
+        self.shapes_cut(uv) || (self.loops_on && self.has_loops() && loops_cut())
     }
 }
 

@@ -189,13 +189,14 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
 #[test]
 fn the_exact_program_compiles_for_all_it_may_have() {
     let context = Checked::new(backends()[0]);
-    for bits in 0..32 {
+    for bits in 0..64 {
         let has = |bit: u32| bits >> bit & 1 == 1;
         let trims = TrimFeatures {
             loop_columns: has(0).then_some(NonZeroU32::new(64).unwrap()),
             finer_loops: has(1),
             long_lists: has(2),
             shape_grid: has(3),
+            fill_rules: has(5),
             ..TrimFeatures::NONE
         };
         for (degree, samples, shading, degenerate, normals, output) in [

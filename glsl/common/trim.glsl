@@ -3,7 +3,8 @@
 // the words mean and why.
 //
 // Compiled in is what a surface has: LOOPS with LOOP_COLUMNS, columns and rows of their cells;
-// FINER_LOOPS, some cells have cells of their own; LONG_LISTS, some have more than 32 pieces; SHAPES.
+// FINER_LOOPS, some cells have cells of their own; LONG_LISTS, some have more than 32 pieces;
+// FILL_RULES, paths have rules of their own; SHAPES.
 
 // One buffer, seen as words and as texels of four floats. (Reading a buffer texture costs Mesa's
 // software driver a tenth of what a storage buffer does, and less than a uniform.)
@@ -15,6 +16,9 @@ const uint LIST = 2u;
 const uint FINER = 4u;
 const uint LAST = 4u;
 const uint LEFT = 8u;
+const uint FALLS = 16u;
+const uint EVEN_ODD = 1u;
+const uint LAST_HEAD = 2u;
 
 uint trimWord(uint at)
 {
@@ -36,22 +40,20 @@ float crossed(vec2 a, vec2 b)
     return value;
 }
 
-bool cutByLoops(vec2 uv)
+// What a crossing of a piece adds to the winding number.
+int turnOf(uint reference)
 {
-    uint cell = trimWord(HEADER_WORDS + cellAt(uv * float(LOOP_COLUMNS), LOOP_COLUMNS));
-#ifdef FINER_LOOPS
-    if ((cell & 7u) == FINER) {
-        uint at = cell >> 3;
-        vec2 least = uintBitsToFloat(uvec2(trimWord(at), trimWord(at + 1u)));
-        vec2 scale = uintBitsToFloat(uvec2(trimWord(at + 2u), trimWord(at + 3u)));
-        precise vec2 place = (uv - least) * scale;
-        cell = trimWord(at + 5u + cellAt(place, trimWord(at + 4u)));
-    }
+#ifdef FILL_RULES
+    return (reference & FALLS) != 0u ? -1 : 1;
+#else
+    return 1; // Odd stays odd.
 #endif
-    bool isCut = (cell & 1u) == 1u;
-    if ((cell & LIST) == 0u)
-        return isCut;
-    uint at = cell >> 3;
+}
+
+// What the pieces of the list at a word add to the winding number; moves on behind the list.
+int crossings(inout uint at, vec2 uv)
+{
+    int number = 0;
     bool last = false;
 #ifdef LONG_LISTS
     while (!last)
@@ -62,7 +64,7 @@ bool cutByLoops(vec2 uv)
         uint first = at, near = 0u, mark = 1u;
         do {
             uint reference = trimWord(at);
-            vec4 ends = texelFetch(trimPoints, int(reference >> 4));
+            vec4 ends = texelFetch(trimPoints, int(reference >> 5) * 2);
             // The half-open test of the row and the box decide topology on stored bits alone.
             bool lowReached = ends.y <= uv.y, highReached = ends.w <= uv.y;
             bool inRow = lowReached != highReached;
@@ -72,9 +74,9 @@ bool cutByLoops(vec2 uv)
             bool left = (reference & LEFT) != 0u;
             bool outside = (left ? 1.0 : -1.0) * crossed(ends.zw - ends.xy, uv - ends.xy) < 0.0;
             bool crosses = inBox ? outside && !left : inRow && leftOfBox;
-            bool endReached = (reference & 1u) != 0u && lowReached
-                || (reference & 2u) != 0u && highReached;
-            isCut = (isCut != crosses) != endReached;
+            bool lowEnd = (reference & 1u) != 0u && lowReached;
+            bool highEnd = (reference & 2u) != 0u && highReached;
+            number += turnOf(reference) * (int(crosses) + int(highEnd) - int(lowEnd));
             near |= inBox && !outside ? mark : 0u;
             mark <<= 1;
             last = (reference & LAST) != 0u;
@@ -86,14 +88,15 @@ bool cutByLoops(vec2 uv)
 #endif
 
         // One halving after the other, and from one marked piece to the next.
-        int halvings = 0;
+        int halvings = 0, turn = 1;
         bool left = false;
         vec2 point = vec2(0.0), a = vec2(0.0), b = vec2(0.0), c = vec2(0.0), d = vec2(0.0);
         while (near != 0u) {
             if (halvings == 0) {
                 uint reference = trimWord(first + uint(findLSB(near)));
                 left = (reference & LEFT) != 0u;
-                int piece = int(reference >> 4);
+                turn = turnOf(reference);
+                int piece = int(reference >> 5) * 2;
                 vec4 ends = texelFetch(trimPoints, piece), legs = texelFetch(trimPoints, piece + 1);
                 precise vec2 chord = ends.zw - ends.xy, inner = chord - legs.zw;
                 point = uv - ends.xy;
@@ -113,20 +116,51 @@ bool cutByLoops(vec2 uv)
             a = above ? middle : a;
             d = above ? d : middle;
             // The curve lies between its chords and the tangent in the middle.
-            float turn = left ? 1.0 : -1.0;
-            bool outside = turn * crossed(d - a, point - a) < 0.0;
-            bool beyond = turn * crossed(bcd - abc, point - middle) > 0.0;
+            float side = left ? 1.0 : -1.0;
+            bool outside = side * crossed(d - a, point - a) < 0.0;
+            bool beyond = side * crossed(bcd - abc, point - middle) > 0.0;
             ++halvings;
             if (outside || beyond || halvings == 24) {
-                isCut = isCut != (outside ? !left : beyond && left);
+                number += turn * int(outside ? !left : beyond && left);
                 near &= near - 1u;
                 halvings = 0;
             }
         }
     }
-    return isCut;
+    return number;
+}
+
+bool cutByLoops(vec2 uv)
+{
+    uint cell = trimWord(HEADER_WORDS + cellAt(uv * float(LOOP_COLUMNS), LOOP_COLUMNS));
+#ifdef FINER_LOOPS
+    if ((cell & 7u) == FINER) {
+        uint at = cell >> 3;
+        vec2 least = uintBitsToFloat(uvec2(trimWord(at), trimWord(at + 1u)));
+        vec2 scale = uintBitsToFloat(uvec2(trimWord(at + 2u), trimWord(at + 3u)));
+        precise vec2 place = (uv - least) * scale;
+        cell = trimWord(at + 5u + cellAt(place, trimWord(at + 4u)));
+    }
+#endif
+    bool turned = (cell & 1u) == 1u;
+    if ((cell & LIST) == 0u)
+        return turned;
+    uint at = cell >> 3;
+#ifdef FILL_RULES
+    // A sample is inside if it is inside of one path.
+    for (;;) {
+        uint head = trimWord(at++);
+        int number = (int(head) >> 2) + crossings(at, uv);
+        bool inside = (head & EVEN_ODD) != 0u ? (number & 1) != 0 : number != 0;
+        if (inside || (head & LAST_HEAD) != 0u)
+            return inside != turned;
+    }
+#else
+    return ((crossings(at, uv) & 1) != 0) != turned;
+#endif
 }
 #endif
+
 
 #ifdef SHAPES
 bool cutByShape(uint reference, vec2 uv)

@@ -170,7 +170,7 @@ enum Cut<'a> {
 impl<'a> Cut<'a> {
     fn new(trims: &'a Trims, newton: Newton, method: Method) -> Result<Self> {
         let shapes = trims.circles.len() + trims.intervals.len() + trims.ellipses.len();
-        Ok(if shapes + trims.loops.len() == 0 {
+        Ok(if shapes == 0 && !trims.has_loops() {
             Self::Nothing
         } else if method == Method::Thesis {
             Self::Thesis(TrimDecision::new(trims, newton, method)?)

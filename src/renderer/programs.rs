@@ -168,6 +168,8 @@ pub struct TrimFeatures {
     pub finer_loops: bool,
     /// Cells of theirs with more than 32 pieces.
     pub long_lists: bool,
+    /// Paths with rules of their own.
+    pub fill_rules: bool,
     /// The exact method's circles, intervals and ellipses.
     pub shape_grid: bool,
 }
@@ -186,6 +188,7 @@ impl TrimFeatures {
         loop_columns: None,
         finer_loops: false,
         long_lists: false,
+        fill_rules: false,
         shape_grid: false,
     };
 
@@ -218,7 +221,7 @@ impl TrimFeatures {
             || self.shape_grid
     }
 
-    const fn defines(&self) -> [(&'static str, bool); 13] {
+    const fn defines(&self) -> [(&'static str, bool); 14] {
         [
             ("TRIMMED", self.any()),
             ("CIRCLES", self.circles),
@@ -232,6 +235,7 @@ impl TrimFeatures {
             ("LOOPS", self.loop_columns.is_some()),
             ("FINER_LOOPS", self.finer_loops),
             ("LONG_LISTS", self.long_lists),
+            ("FILL_RULES", self.fill_rules),
             ("SHAPES", self.shape_grid),
         ]
     }

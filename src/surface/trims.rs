@@ -144,6 +144,7 @@ impl ExactTrims {
             loop_columns: grid.loop_columns(),
             finer_loops: grid.has_finer_cells(),
             long_lists: grid.has_long_lists(),
+            fill_rules: grid.has_rules(),
             shape_grid: grid.has_shapes(),
             ..TrimFeatures::NONE
         };

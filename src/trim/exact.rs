@@ -6,10 +6,12 @@ use std::ops::Range;
 
 use glam::Vec2;
 
-use super::grid::{FINER, HEADER_WORDS, LIST, LONG_LIST, listed};
+use super::grid::{
+    EVEN_ODD, FALLS, FINER, HEADER_WORDS, LAST_HEAD, LIST, LONG_LIST, PIECE_WORDS, listed,
+};
 use super::lattice::Lattice;
 use super::pieces::{Piece, monotone_curves};
-use super::{Keep, Trims, grid, shapes};
+use super::{FillRule, Keep, Trims, grid, shapes};
 
 /// The greatest sample: `f32`'s last number below 1. The far borders of the domain belong to the
 /// cells before them.
@@ -31,6 +33,7 @@ pub struct TrimGrid {
     keeps_inside: bool,
     pieces: Range<usize>,
     has_long_lists: bool,
+    has_rules: bool,
 }
 
 /// A grid in the words.
@@ -47,10 +50,14 @@ impl TrimGrid {
     #[must_use]
     pub fn new(trims: &Trims) -> Self {
         let mut words = vec![0; HEADER_WORDS];
-        let cut_loops = trims.loops_on && !trims.loops.is_empty();
-        let curves = if cut_loops { monotone_curves(&trims.loops) } else { Vec::new() };
+        let cut_loops = trims.loops_on && trims.has_loops();
+        let fills: Vec<_> = if cut_loops {
+            trims.fills().map(|fill| (fill.rule, monotone_curves(fill.loops))).collect()
+        } else {
+            Vec::new()
+        };
         let keeps_inside = cut_loops && trims.keep == Keep::Inside;
-        let grid = grid::build(&curves, keeps_inside, &mut words);
+        let grid = grid::build(&fills, keeps_inside, &mut words);
         // Shapes are read four words at a time.
         words.resize(words.len().next_multiple_of(4), 0);
         let shapes =
@@ -61,8 +68,9 @@ impl TrimGrid {
             words[1] = shapes.cells as u32;
         }
         let pieces = grid.as_ref().map_or(0..0, |grid| grid.pieces.clone());
-        let has_long_lists = grid.is_some_and(|grid| grid.longest > LONG_LIST);
-        Self { words, loops, shapes, keeps_inside, pieces, has_long_lists }
+        let has_long_lists = grid.as_ref().is_some_and(|grid| grid.longest > LONG_LIST);
+        let has_rules = grid.is_some_and(|grid| grid.has_rules);
+        Self { words, loops, shapes, keeps_inside, pieces, has_long_lists, has_rules }
     }
 
     /// Whether `uv` is cut, in the arithmetic of the shaders.
@@ -110,6 +118,11 @@ impl TrimGrid {
     /// Whether a list is too long to be walked in one go.
     pub(crate) const fn has_long_lists(&self) -> bool {
         self.has_long_lists
+    }
+
+    /// Whether there are paths with rules of their own.
+    pub(crate) const fn has_rules(&self) -> bool {
+        self.has_rules
     }
 
     /// Whether a cell has a finer lattice of its own.
@@ -165,19 +178,41 @@ impl TrimGrid {
             let finer = Lattice::from_words(&self.words[at..]);
             cell = self.words[at + Lattice::WORDS + finer.cell_of(uv)];
         }
-        let corner = cell & 1 == 1;
+        let turned = cell & 1 == 1;
         if cell & LIST == 0 {
-            return corner;
+            return turned;
         }
-        listed(&self.words[(cell >> 3) as usize..]).fold(corner, |is_cut, reference| {
-            let piece = Piece::from_words(&self.words[(reference >> 4) as usize * 4..]);
+        let mut at = (cell >> 3) as usize;
+        if !self.has_rules {
+            return FillRule::EvenOdd.fills(self.crossings(&mut at, uv)) != turned;
+        }
+        loop {
+            let head = self.words[at] as i32;
+            at += 1;
+            let rule = if head & EVEN_ODD != 0 { FillRule::EvenOdd } else { FillRule::NonZero };
+            let inside = rule.fills((head >> 2) + self.crossings(&mut at, uv));
+            if inside || head & LAST_HEAD != 0 {
+                return inside != turned;
+            }
+        }
+    }
+
+    /// What the pieces of the list at a word add to the winding number; moves on behind the list.
+    fn crossings(&self, at: &mut usize, uv: Vec2) -> i32 {
+        let references = listed(&self.words[*at..]);
+        let mut number = 0;
+        for reference in references {
+            *at += 1;
+            let piece = Piece::from_words(&self.words[(reference >> 5) as usize * PIECE_WORDS..]);
             let end = match reference & 3 {
-                0 => false,
-                1 => piece.low.y <= uv.y,
-                _ => piece.high.y <= uv.y,
+                0 => 0,
+                1 => -i32::from(piece.low.y <= uv.y),
+                _ => i32::from(piece.high.y <= uv.y),
             };
-            is_cut ^ piece.crosses(uv) ^ end
-        })
+            let turn = if reference & FALLS != 0 { -1 } else { 1 };
+            number += turn * (i32::from(piece.crosses(uv)) + end);
+        }
+        number
     }
 }
 
@@ -188,12 +223,12 @@ fn clamped(uv: Vec2) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Segment, TrimLoop, inside_loops};
+    use crate::{Segment, TrimLoop, TrimPath};
     use glam::{DVec2, dvec2, vec2};
     use proptest::prelude::*;
 
     impl TrimGrid {
-        /// The decision without the grid: every piece is tested.
+        /// The decision of even-odd loops without the grid: every piece is tested.
         fn inside_by_all_pieces(&self, uv: Vec2) -> bool {
             self.words[self.pieces.clone()]
                 .chunks_exact(8)
@@ -210,14 +245,18 @@ mod tests {
         TrimLoop::new((0..n / 3).map(segment).collect()).unwrap()
     }
 
+    fn even_odd(loops: &[TrimLoop]) -> Trims {
+        Trims { loops: loops.to_vec(), ..Trims::default() }
+    }
+
     fn grid_of(loops: &[TrimLoop]) -> TrimGrid {
-        TrimGrid::new(&Trims { loops: loops.to_vec(), ..Trims::default() })
+        TrimGrid::new(&even_odd(loops))
     }
 
     /// Distance from a curve, by sampling.
-    fn distance(loops: &[TrimLoop], uv: DVec2) -> f64 {
+    fn distance(trims: &Trims, uv: DVec2) -> f64 {
         let mut least = f64::INFINITY;
-        for segment in loops.iter().flat_map(TrimLoop::segments) {
+        for segment in trims.all_loops().flat_map(TrimLoop::segments) {
             let (mut low, mut high) = (0.0, 1.0);
             for _ in 0..12 {
                 let steps = 64;
@@ -235,20 +274,32 @@ mod tests {
         least
     }
 
-    fn check(loops: &[TrimLoop], samples: impl Iterator<Item = Vec2>) {
-        let grid = grid_of(loops);
+    fn check(loops: &[TrimLoop], samples: impl Iterator<Item = Vec2> + Clone) {
+        let trims = even_odd(loops);
+        let grid = TrimGrid::new(&trims);
+        for uv in samples.clone() {
+            assert_eq!(grid.cut(uv), grid.inside_by_all_pieces(uv), "grid and pieces at {uv:?}");
+        }
+        check_trims(&trims, samples);
+    }
+
+    /// Checks the grid against the oracle; returns how many samples are cut.
+    fn check_trims(trims: &Trims, samples: impl Iterator<Item = Vec2>) -> usize {
+        let grid = TrimGrid::new(trims);
+        let mut cut = 0;
         for uv in samples {
             let decided = grid.cut(uv);
-            assert_eq!(decided, grid.inside_by_all_pieces(uv), "grid and pieces at {uv:?}");
+            cut += usize::from(decided);
             let uv = uv.as_dvec2();
-            if decided != inside_loops(loops, uv) {
-                let off = distance(loops, uv);
+            if decided != trims.cut(uv) {
+                let off = distance(trims, uv);
                 assert!(off < 2e-7, "{uv}: decided {decided}, {off:e} from the curve");
             }
         }
+        cut
     }
 
-    fn lattice_samples(n: u32) -> impl Iterator<Item = Vec2> {
+    fn lattice_samples(n: u32) -> impl Iterator<Item = Vec2> + Clone {
         (0..n * n).map(move |i| (vec2((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)
     }
 
@@ -272,9 +323,9 @@ mod tests {
     }
 
     /// Samples on both sides of every curve, from just outside the tolerance on.
-    fn beside(loops: &[TrimLoop]) -> Vec<Vec2> {
+    fn beside<'a>(loops: impl IntoIterator<Item = &'a TrimLoop>) -> Vec<Vec2> {
         let mut samples = Vec::new();
-        for segment in loops.iter().flat_map(TrimLoop::segments) {
+        for segment in loops.into_iter().flat_map(TrimLoop::segments) {
             for t in (0..=200).map(|i| f64::from(i) / 200.0) {
                 let along = segment.point(t + 1e-4) - segment.point(t - 1e-4);
                 let across = along.normalize_or(DVec2::X).perp();
@@ -401,7 +452,72 @@ mod tests {
         }
     }
 
+    #[test]
+    fn paths_of_their_own_rules_are_decided_right_alone_together_and_in_crowds() {
+        let star = "M.5 1 L.21 .1 L.98 .65 L.02 .65 L.79 .1 Z";
+        let path = |rule: FillRule| TrimPath::from_svg_path(star, rule).unwrap();
+        let ring = |at: DVec2, size: f64, rule: FillRule| {
+            let square = |half: f64| {
+                let (low, high) = (at - half * size, at + half * size);
+                format!("M{} {}H{}V{}H{}Z", low.x, low.y, high.x, high.y, low.x)
+            };
+            TrimPath::from_svg_path(&(square(0.5) + &square(0.25)), rule).unwrap()
+        };
+        let middle = dvec2(0.5, 0.5);
+        let islands = even_odd(&ring(middle, 0.3, FillRule::EvenOdd).loops);
+        let crowd = |count: u32| {
+            let rules = [FillRule::NonZero, FillRule::EvenOdd];
+            let at = |i: u32| dvec2(f64::from(i * 37 % 101), f64::from(i * 53 % 89)) * 1e-4;
+            let one = |i: u32| ring(0.5 + at(i), 0.002, rules[i as usize % 2]);
+            (0..count).map(one).collect::<Vec<_>>()
+        };
+        let [odd, non_zero] = [FillRule::EvenOdd, FillRule::NonZero].map(path);
+        let scene = |paths: Vec<TrimPath>, trims: &Trims| Trims { paths, ..trims.clone() };
+        let mut cuts = Vec::new();
+        for mut trims in [
+            scene(vec![odd.clone()], &Trims::default()),
+            scene(vec![non_zero.clone()], &Trims::default()),
+            scene(vec![odd, ring(middle, 0.1, FillRule::NonZero)], &Trims::default()),
+            scene(vec![non_zero], &islands),
+            scene(crowd(3), &islands),
+            scene(crowd(300), &islands),
+        ] {
+            for keep in [Keep::Outside, Keep::Inside] {
+                trims.keep = keep;
+                let near = lattice_samples(64).map(|uv| 0.499 + 0.013 * uv);
+                let samples = lattice_samples(128).chain(near).chain(beside(trims.all_loops()));
+                cuts.push(check_trims(&trims, samples));
+            }
+        }
+        // The star's middle is cut by one rule and not by the other.
+        assert!(cuts[2] > cuts[0] + 500, "{cuts:?}");
+        assert!(TrimGrid::new(&scene(crowd(300), &islands)).has_finer_cells());
+    }
+
     proptest! {
+        #[test]
+        fn random_paths_are_decided_as_the_oracle_does(
+            paths in prop::collection::vec(
+                (prop::collection::vec(prop::collection::vec(point(), 6..=15), 1..4), any::<bool>()),
+                1..6,
+            ),
+            together in prop::collection::vec(point(), 6..=15),
+            inside in any::<bool>(),
+        ) {
+            let chain = |points: &Vec<DVec2>| closed(&points[..points.len() / 3 * 3]);
+            let rule = |non_zero| if non_zero { FillRule::NonZero } else { FillRule::EvenOdd };
+            let mut trims = even_odd(&[chain(&together)]);
+            trims.keep = if inside { Keep::Inside } else { Keep::Outside };
+            trims.paths = paths
+                .iter()
+                .map(|(loops, non_zero)| {
+                    TrimPath { loops: loops.iter().map(chain).collect(), rule: rule(*non_zero) }
+                })
+                .collect();
+            check_trims(&trims, lattice_samples(48));
+            check_trims(&trims, beside(trims.all_loops()).into_iter().step_by(7));
+        }
+
         #[test]
         fn random_loops_are_decided_as_the_oracle_does(
             loops in prop::collection::vec(prop::collection::vec(point(), 6..=15), 1..4),

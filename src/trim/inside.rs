@@ -1,51 +1,54 @@
-//! Even-odd test of a point against closed loops, by subdivision in `f64`: no roots, no derivatives.
+//! How often closed loops go around a point, by subdivision in `f64`: no roots, no derivatives.
 
 use glam::DVec2;
 
-use super::{Segment, TrimLoop};
+use super::{FillRule, Segment, TrimLoop};
 
 /// Pieces smaller than this, relative to the sample's coordinates where those exceed 1, are points.
 /// Larger, and shaders in `f32` could tell; smaller, and rounding would keep pieces from shrinking.
 const POINT_SIZE: f64 = 1e-13;
 
-/// Whether `uv` lies inside an odd number of loops.
-///
-/// A ray from `uv` towards greater u crosses the loops; an odd number of crossings means inside. The
-/// row test `v₀ ≤ v < v₁` is half open, so that an end point shared by two curves counts once.
-/// Points closer than about 1e-13 to a curve may fall on either side.
+/// Whether `uv` lies inside an odd number of loops: whether [`winding_number`] is odd.
 #[must_use]
 pub fn inside_loops(loops: &[TrimLoop], uv: DVec2) -> bool {
-    loops
-        .iter()
-        .flat_map(TrimLoop::segments)
-        .fold(false, |inside, segment| inside ^ ray_crosses_odd(segment, uv))
+    FillRule::EvenOdd.fills(winding_number(loops, uv))
 }
 
-/// Whether the ray from `uv` towards greater u crosses a curve an odd number of times: what
-/// [`inside_loops`] adds up. Only curves whose control points have v on both sides of `uv`'s count.
+/// How often loops go around `uv`, counter-clockwise with u to the right and v upwards.
+///
+/// A ray from `uv` towards greater u crosses the loops: upwards counts 1, downwards −1. The row test
+/// `v₀ ≤ v < v₁` is half open, so that an end point shared by two curves counts once. Points closer
+/// than about 1e-13 to a curve may fall on either side.
 #[must_use]
-pub fn ray_crosses_odd(segment: &Segment, uv: DVec2) -> bool {
+pub fn winding_number(loops: &[TrimLoop], uv: DVec2) -> i32 {
+    loops.iter().flat_map(TrimLoop::segments).map(|segment| ray_crossings(segment, uv)).sum()
+}
+
+/// How often a curve crosses the ray from `uv` towards greater u upwards, less how often downwards:
+/// what [`winding_number`] adds up. Only curves whose control points have v on both sides of `uv`'s
+/// count.
+#[must_use]
+pub fn ray_crossings(segment: &Segment, uv: DVec2) -> i32 {
     match *segment {
-        Segment::Line(points) => crosses_odd(points, uv),
-        Segment::Quadratic(points) => crosses_odd(points, uv),
-        Segment::Cubic(points) => crosses_odd(points, uv),
+        Segment::Line(points) => crossings(points, uv),
+        Segment::Quadratic(points) => crossings(points, uv),
+        Segment::Cubic(points) => crossings(points, uv),
     }
 }
 
-fn crosses_odd<const N: usize>(points: [DVec2; N], uv: DVec2) -> bool {
+fn crossings<const N: usize>(points: [DVec2; N], uv: DVec2) -> i32 {
     let least = points.iter().copied().reduce(DVec2::min).expect("N > 0");
     let most = points.iter().copied().reduce(DVec2::max).expect("N > 0");
     if uv.y < least.y || uv.y > most.y || uv.x >= most.x {
-        return false;
+        return 0;
     }
-    let ends_on_two_sides = (points[0].y <= uv.y) != (points[N - 1].y <= uv.y);
     let point_size = POINT_SIZE * uv.abs().max_element().max(1.0);
     if uv.x < least.x || (most - least).max_element() < point_size {
         // The whole piece lies on the ray's side: only where it ends matters.
-        return ends_on_two_sides;
+        return i32::from(points[0].y <= uv.y) - i32::from(points[N - 1].y <= uv.y);
     }
     let [first, second] = halves(points);
-    crosses_odd(first, uv) ^ crosses_odd(second, uv)
+    crossings(first, uv) + crossings(second, uv)
 }
 
 /// The two halves of a Bézier curve, split at ½ by de Casteljau's algorithm.
@@ -89,6 +92,28 @@ mod tests {
             (dvec2(0.2, 0.7), true),
         ] {
             assert_eq!(inside_loops(&loops, uv), expected, "{uv}");
+        }
+    }
+
+    #[test]
+    fn loops_are_counted_by_their_directions() {
+        let backwards = |outer: &TrimLoop| {
+            let turned = outer.segments().iter().rev().map(|s| Segment::Line([s.end(), s.start()]));
+            TrimLoop::new(turned.collect()).unwrap()
+        };
+        let (outer, inner) = (square(0.1, 0.9), square(0.3, 0.7));
+        let same = [outer.clone(), inner.clone()];
+        let opposite = [outer.clone(), backwards(&inner)];
+        let twice_back = [backwards(&outer), backwards(&inner), backwards(&inner)];
+        for (uv, numbers) in [
+            (dvec2(0.05, 0.5), [0, 0, 0]),
+            (dvec2(0.2, 0.5), [1, 1, -1]),
+            (dvec2(0.5, 0.5), [2, 0, -3]),
+            (dvec2(0.8, 0.7), [1, 1, -1]),
+            (dvec2(0.95, 0.5), [0, 0, 0]),
+        ] {
+            let found = [&same[..], &opposite, &twice_back].map(|l| winding_number(l, uv));
+            assert_eq!(found, numbers, "{uv}");
         }
     }
 

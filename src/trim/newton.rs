@@ -186,8 +186,15 @@ impl NewtonTrims {
     /// Sorts the loops of a surface.
     ///
     /// # Errors
-    /// As [`NewtonTrims::from_loops`], and loops whose inside is kept.
+    /// As [`NewtonTrims::from_loops`], and loops whose inside is kept, and paths with rules of their own.
     pub fn of(trims: &Trims) -> Result<Self> {
+        if !trims.paths.is_empty() {
+            return Err(Error::invalid(
+                "a path",
+                "filled by a rule of its own",
+                "loops and paths without one: the thesis' method combines them all by even-odd",
+            ));
+        }
         if trims.keep == Keep::Inside && !trims.loops.is_empty() {
             return Err(Error::invalid(
                 "keep",

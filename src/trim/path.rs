@@ -7,7 +7,7 @@ use glam::DVec2;
 use kurbo::{Arc, PathEl, SvgArc};
 use svgtypes::{PathParser, PathSegment};
 
-use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_finite};
+use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_counts, check_finite};
 use crate::{Error, Result};
 
 /// How far the cubics of an arc are from it at most, in the unit of the domain. (Radii from about 1e8
@@ -22,12 +22,8 @@ impl Trims {
     /// would be in these trims, which stay as they were.
     pub fn add_svg_path(&mut self, data: &str) -> Result<()> {
         let before = self.loops.len();
-        let mut segments = self.segment_count();
         let loops = read(data, before)?;
-        for (number, trim_loop) in loops.iter().enumerate() {
-            check_count(before + number, trim_loop.segments.len(), segments)?;
-            segments += trim_loop.segments.len();
-        }
+        check_counts(&loops, before, self.segment_count())?;
         self.loops.extend(loops);
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The exact decision at many samples: the `f64` oracle, row by row, so that a row is asked only of
 //! the curves that it meets.
 
-use freeform_surface::{Keep, Segment, TrimGrid, Trims, ray_crosses_odd};
+use freeform_surface::{FillRule, Keep, Segment, TrimGrid, TrimLoop, Trims, ray_crossings};
 use glam::{DVec2, Vec2, dvec2};
 
 /// How far from a curve a sample may be decided either way, in the unit of the domain.
@@ -16,7 +16,8 @@ pub fn centers(side: u32) -> Vec<f64> {
 pub struct Row<'a> {
     trims: &'a Trims,
     v: f64,
-    segments: Vec<&'a Segment>,
+    /// Of the loops, then of each path.
+    fills: Vec<(FillRule, Vec<&'a Segment>)>,
 }
 
 impl<'a> Row<'a> {
@@ -25,17 +26,26 @@ impl<'a> Row<'a> {
             let points = segment.points();
             points.iter().any(|p| p.y <= v) && points.iter().any(|p| p.y >= v)
         };
-        let segments = trims.loops.iter().flat_map(|trim_loop| trim_loop.segments());
-        Self { trims, v, segments: segments.filter(meets).collect() }
+        let of = |loops: &'a [TrimLoop]| {
+            loops.iter().flat_map(|one| one.segments()).filter(meets).collect()
+        };
+        let mut fills = vec![(FillRule::EvenOdd, of(&trims.loops))];
+        fills.extend(trims.paths.iter().map(|path| (path.rule, of(&path.loops))));
+        Self { trims, v, fills }
     }
 
     /// Whether the sample at `u` is cut.
     pub fn cut(&self, u: f64) -> bool {
         let uv = dvec2(u, self.v);
-        let odd = |inside: bool, segment: &&Segment| inside ^ ray_crosses_odd(segment, uv);
-        let loops = self.trims.loops_on && !self.trims.loops.is_empty();
-        self.trims.shapes_cut(uv)
-            || loops && self.segments.iter().fold(false, odd) != (self.trims.keep == Keep::Inside)
+        let inside = self.fills.iter().any(|(rule, segments)| {
+            let number: i32 = segments.iter().map(|segment| ray_crossings(segment, uv)).sum();
+            match rule {
+                FillRule::EvenOdd => number.rem_euclid(2) == 1,
+                FillRule::NonZero => number != 0,
+            }
+        });
+        let loops = self.trims.loops_on && self.trims.has_loops();
+        self.trims.shapes_cut(uv) || loops && inside != (self.trims.keep == Keep::Inside)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::trim::{Keep, Segment, TrimLoop, Trims, ray_crosses_odd};
+use crate::trim::{FillRule, Keep, Segment, TrimLoop, Trims, ray_crossings};
 
 /// The most rows, and the most entries of all rows together if every curve is in each.
 const MOST_ROWS: usize = 512;
@@ -11,8 +11,11 @@ const MOST_ENTRIES: usize = 8_000_000;
 /// The loops of a surface, their curves sorted into rows of the domain.
 #[derive(Debug)]
 pub(super) struct TrimRows<'a> {
-    /// For each row the curves that may cross it. The first and the last row reach to infinity.
-    rows: Vec<Vec<&'a Segment>>,
+    /// For each row the curves that may cross it, each with the number of the rule that its loop is
+    /// filled by, in the order of these. The first and the last row reach to infinity.
+    rows: Vec<Vec<(usize, &'a Segment)>>,
+    /// The rules of the loops and of each path.
+    rules: Vec<FillRule>,
     keep: Keep,
     /// Whether the loops cut anything.
     on: bool,
@@ -22,24 +25,29 @@ impl<'a> TrimRows<'a> {
     pub(super) fn new(trims: &'a Trims) -> Self {
         let count = trims.segment_count().max(1);
         let mut rows = vec![Vec::new(); (MOST_ENTRIES / count).clamp(1, MOST_ROWS.min(count))];
-        for segment in trims.loops.iter().flat_map(TrimLoop::segments) {
-            let heights = segment.points().iter().map(|point| point.y);
-            let least = heights.clone().fold(f64::INFINITY, f64::min);
-            let most = heights.fold(f64::NEG_INFINITY, f64::max);
-            let (first, last) = (row_of(least, rows.len()), row_of(most, rows.len()));
-            for row in &mut rows[first..=last] {
-                row.push(segment);
+        for (number, fill) in trims.fills().enumerate() {
+            for segment in fill.loops.iter().flat_map(TrimLoop::segments) {
+                let heights = segment.points().iter().map(|point| point.y);
+                let least = heights.clone().fold(f64::INFINITY, f64::min);
+                let most = heights.fold(f64::NEG_INFINITY, f64::max);
+                let (first, last) = (row_of(least, rows.len()), row_of(most, rows.len()));
+                for row in &mut rows[first..=last] {
+                    row.push((number, segment));
+                }
             }
         }
-        Self { rows, keep: trims.keep, on: trims.loops_on && !trims.loops.is_empty() }
+        let rules = trims.fills().map(|fill| fill.rule).collect();
+        Self { rows, rules, keep: trims.keep, on: trims.loops_on && trims.has_loops() }
     }
 
     /// Whether the loops cut `uv`, decided as [`Trims::cut`] does.
     pub(super) fn cut(&self, uv: DVec2) -> bool {
+        let row = &self.rows[row_of(uv.y, self.rows.len())];
         let inside = || {
-            self.rows[row_of(uv.y, self.rows.len())]
-                .iter()
-                .fold(false, |inside, segment| inside ^ ray_crosses_odd(segment, uv))
+            row.chunk_by(|(a, _), (b, _)| a == b).any(|filled| {
+                let number = filled.iter().map(|(_, segment)| ray_crossings(segment, uv)).sum();
+                self.rules[filled[0].0].fills(number)
+            })
         };
         self.on && inside() != (self.keep == Keep::Inside)
     }
@@ -72,7 +80,7 @@ mod tests {
                     assert_eq!(trims.shapes_cut(uv) || rows.cut(uv), expected, "{uv}");
                     cut += i32::from(expected);
                 }
-                assert!(trims.loops.is_empty() || (100..9900).contains(&cut), "{cut}");
+                assert!(!trims.has_loops() || (100..9900).contains(&cut), "{cut}");
             }
         }
     }

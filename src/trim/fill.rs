@@ -1,0 +1,92 @@
+//! Paths that are filled by a rule of their own, as SVG fills them.
+
+use super::inside::winding_number;
+use super::{TrimLoop, Trims};
+use crate::Result;
+use glam::DVec2;
+
+/// What of the plane is inside a path whose loops go around it, or around each other, more than once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum FillRule {
+    /// What the loops go around an odd number of times: a loop in a loop is a hole.
+    #[default]
+    EvenOdd,
+    /// What the loops go around at all, those of one direction less those of the other: a loop in a
+    /// loop is a hole if it runs the other way. SVG's own default.
+    NonZero,
+}
+
+impl FillRule {
+    /// Whether a place is inside that loops go around so often: see [`winding_number`].
+    #[must_use]
+    pub const fn fills(self, winding_number: i32) -> bool {
+        match self {
+            Self::EvenOdd => winding_number % 2 != 0,
+            Self::NonZero => winding_number != 0,
+        }
+    }
+}
+
+/// Loops that are filled together, whatever others there are.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TrimPath {
+    /// The loops, of which the rule makes an inside and an outside.
+    pub loops: Vec<TrimLoop>,
+    /// The rule.
+    pub rule: FillRule,
+}
+
+impl TrimPath {
+    /// The path of SVG path data in (u, v): see [`TrimLoop::from_svg_path`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_svg_path(data: &str, rule: FillRule) -> Result<Self> {
+        Ok(Self { loops: TrimLoop::from_svg_path(data)?, rule })
+    }
+}
+
+/// What is filled together: [`Trims::loops`], or one of [`Trims::paths`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fill<'a> {
+    pub(crate) loops: &'a [TrimLoop],
+    pub(crate) rule: FillRule,
+}
+
+impl Trims {
+    /// What is filled: the loops together, then each path for itself. What any of them holds is inside.
+    pub(crate) fn fills(&self) -> impl Iterator<Item = Fill<'_>> + Clone {
+        let loops = Fill { loops: &self.loops, rule: FillRule::EvenOdd };
+        let paths = self.paths.iter().map(|path| Fill { loops: &path.loops, rule: path.rule });
+        std::iter::once(loops).chain(paths).filter(|fill| !fill.loops.is_empty())
+    }
+
+    /// Every loop: those that are filled together, then those of the paths.
+    pub fn all_loops(&self) -> impl Iterator<Item = &TrimLoop> + Clone {
+        self.loops.iter().chain(self.paths.iter().flat_map(|path| &path.loops))
+    }
+
+    /// Whether there is a loop, by itself or in a path.
+    #[must_use]
+    pub fn has_loops(&self) -> bool {
+        self.all_loops().next().is_some()
+    }
+
+    /// Whether `uv` is inside of the loops or of any path, switched on or not.
+    #[must_use]
+    pub fn inside(&self, uv: DVec2) -> bool {
+        self.fills().any(|fill| fill.rule.fills(winding_number(fill.loops, uv)))
+    }
+
+    /// Adds a path.
+    ///
+    /// # Errors
+    /// More than 1,000,000 segments in all loops together, by the numbers of loop and segment; the
+    /// trims stay as they were.
+    pub fn add_path(&mut self, path: TrimPath) -> Result<()> {
+        let (number, segments) = (self.all_loops().count(), self.segment_count());
+        super::check_counts(&path.loops, number, segments)?;
+        self.paths.push(path);
+        Ok(())
+    }
+}

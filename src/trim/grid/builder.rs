@@ -1,0 +1,346 @@
+//! Which pieces each cell lists, and what is known of its corner.
+
+use std::ops::Range;
+
+use glam::Vec2;
+
+use super::cutting::{FilledCurve, finer_side};
+use super::{
+    CROWDED, EVEN_ODD, FALLS, FINER, HEADER_WORDS, LAST_HEAD, LIST, PIECE_WORDS, push_list,
+};
+use crate::trim::FillRule;
+use crate::trim::lattice::{Bounds, Lattice, touched};
+use crate::trim::pieces::Piece;
+
+/// Bit of a reference to a piece that bulges to the left of its chord.
+const LEFT: u32 = 8;
+/// From so many words on no cell is cut once more.
+const MANY_WORDS: usize = 1 << 26;
+
+/// A piece, and what it belongs to.
+pub(super) struct Member {
+    pub(super) piece: Piece,
+    /// Whether the loop runs from its upper to its lower end.
+    falls: bool,
+    /// The number of the fill.
+    fill: u32,
+}
+
+impl Member {
+    /// The piece of a curve. None if nothing is left of it but a point.
+    pub(super) fn of(FilledCurve { curve, fill }: &FilledCurve) -> Option<Self> {
+        let piece = Piece::new(curve)?;
+        Some(Self { piece, falls: curve[0].y > curve[3].y, fill: *fill })
+    }
+
+    /// What the piece adds to a winding number if the ray crosses it.
+    fn turn(&self) -> i32 {
+        if self.falls { -1 } else { 1 }
+    }
+}
+
+/// A piece as a cell refers to it: its number, and its end to the right of the cell.
+#[derive(Clone, Copy)]
+struct Reference {
+    piece: u32,
+    beyond: Beyond,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Beyond {
+    Neither,
+    Low,
+    High,
+}
+
+/// The pieces of one fill that samples of a cell meet.
+struct Group {
+    fill: usize,
+    /// The winding number of a sample that meets none of them.
+    base: i32,
+    references: Vec<Reference>,
+}
+
+/// Pieces of one fill in one cell.
+struct Listed {
+    cell: usize,
+    fill: usize,
+    /// The winding number at the cell's corner, at its right and its bottom.
+    corner: i32,
+    /// Where the pieces' numbers stand.
+    members: Range<usize>,
+}
+
+pub(super) struct Builder<'a> {
+    pub(super) members: &'a [Member],
+    pub(super) rules: &'a [FillRule],
+    /// Whether lists have heads.
+    pub(super) has_rules: bool,
+    /// Whether what is inside of no fill is cut.
+    pub(super) outside: bool,
+    /// The word where the pieces begin.
+    pub(super) first_piece: usize,
+    pub(super) words: &'a mut Vec<u32>,
+    /// Length of the longest list.
+    pub(super) longest: usize,
+}
+
+impl Builder<'_> {
+    /// Fills the cells of the domain.
+    pub(super) fn fill_domain(&mut self, lattice: &Lattice) {
+        let all = (0..).zip(self.members);
+        let groups: Vec<Group> = all
+            .collect::<Vec<(u32, &Member)>>()
+            .chunk_by(|(_, a), (_, b)| a.fill == b.fill)
+            .map(|members| {
+                let references = members
+                    .iter()
+                    .map(|(piece, _)| Reference { piece: *piece, beyond: Beyond::Neither });
+                Group {
+                    fill: members[0].1.fill as usize,
+                    base: 0,
+                    references: references.collect(),
+                }
+            })
+            .collect();
+        self.fill(HEADER_WORDS, lattice, &groups, true);
+    }
+
+    /// Fills the cells of a lattice, which begin at a word: of the domain, or finer ones.
+    fn fill(&mut self, first: usize, lattice: &Lattice, groups: &[Group], is_domain: bool) {
+        let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
+        let mut inside = vec![false; lattice.count()];
+        let mut listed: Vec<Listed> = Vec::new();
+        let mut members: Vec<u32> = Vec::new();
+        for group in groups {
+            // A whole loop has no inside beyond the cells that its pieces touch.
+            let window = if is_domain {
+                self.touched(&columns, &rows, group)
+            } else {
+                [0..columns.len(), 0..rows.len()]
+            };
+            let [in_columns, in_rows] = [&columns[window[0].clone()], &rows[window[1].clone()]];
+            let corners = self.corners(in_columns, in_rows, group);
+            let (starts, touching) = self.members_of_cells(in_columns, in_rows, group);
+            let before = members.len();
+            members.extend(touching);
+            for (i, corner) in corners.into_iter().enumerate() {
+                let (column, row) = (i % in_columns.len(), i / in_columns.len());
+                let cell = (window[1].start + row) * columns.len() + window[0].start + column;
+                if starts[i] == starts[i + 1] {
+                    inside[cell] |= self.rules[group.fill].fills(corner);
+                } else {
+                    let members = before + starts[i] as usize..before + starts[i + 1] as usize;
+                    listed.push(Listed { cell, fill: group.fill, corner, members });
+                }
+            }
+        }
+        for (cell, inside) in inside.iter().enumerate() {
+            self.words[first + cell] = u32::from(*inside != self.outside);
+        }
+        listed.sort_by_key(|listed| listed.cell);
+        for listed in listed.chunk_by(|a, b| a.cell == b.cell) {
+            let cell = listed[0].cell;
+            if !inside[cell] {
+                let bounds = [columns[cell % columns.len()], rows[cell / columns.len()]];
+                let groups: Vec<Group> = listed
+                    .iter()
+                    .map(|listed| self.group(listed, &members[listed.members.clone()], bounds))
+                    .collect();
+                self.words[first + cell] = self.list(&groups, bounds, is_domain);
+            }
+        }
+    }
+
+    /// The pieces of one fill as a cell refers to them.
+    fn group(&self, listed: &Listed, members: &[u32], [columns, rows]: [Bounds; 2]) -> Group {
+        let corner = Vec2::new(columns[1], rows[0]);
+        let references: Vec<Reference> =
+            members.iter().map(|piece| self.reference(*piece, corner.x)).collect();
+        // Such that the corner itself comes out right.
+        let counted: i32 =
+            references.iter().map(|reference| self.crossings(*reference, corner)).sum();
+        Group { fill: listed.fill, base: listed.corner - counted, references }
+    }
+
+    fn member(&self, reference: Reference) -> &Member {
+        &self.members[reference.piece as usize]
+    }
+
+    fn reference(&self, piece: u32, right: f32) -> Reference {
+        let shape = &self.members[piece as usize].piece;
+        let beyond = match (shape.low.x > right, shape.high.x > right) {
+            (true, false) => Beyond::Low,
+            (false, true) => Beyond::High,
+            _ => Beyond::Neither,
+        };
+        Reference { piece, beyond }
+    }
+
+    /// What a piece adds to the winding number of a sample in its cell.
+    fn crossings(&self, reference: Reference, uv: Vec2) -> i32 {
+        let member = self.member(reference);
+        let end = match reference.beyond {
+            Beyond::Neither => 0,
+            Beyond::Low => -i32::from(member.piece.low.y <= uv.y),
+            Beyond::High => i32::from(member.piece.high.y <= uv.y),
+        };
+        member.turn() * (i32::from(member.piece.crosses(uv)) + end)
+    }
+
+    /// The shader's word of a reference.
+    fn word(&self, reference: Reference) -> u32 {
+        let member = self.member(reference);
+        let left = if member.piece.bulges_left() { LEFT } else { 0 };
+        let falls = if member.falls { FALLS } else { 0 };
+        let number = (self.first_piece / PIECE_WORDS) as u32 + reference.piece;
+        number * 32 + reference.beyond as u32 + left + falls
+    }
+
+    /// Appends what a cell with pieces needs, and returns its word.
+    fn list(&mut self, groups: &[Group], bounds: [Bounds; 2], may_refine: bool) -> u32 {
+        let count: usize = groups.iter().map(|group| group.references.len()).sum();
+        if may_refine && count > CROWDED && self.words.len() < MANY_WORDS {
+            let finer = self.finer(groups, count, bounds);
+            if finer.count() > 1 {
+                let header = self.words.len();
+                self.words.extend(finer.words());
+                let first = self.words.len();
+                self.words.resize(first + finer.count(), 0);
+                self.fill(first, &finer, groups, false);
+                return header as u32 * 8 + FINER;
+            }
+        }
+        let list = self.words.len();
+        let mut turned = self.outside;
+        for (number, group) in groups.iter().enumerate() {
+            self.longest = self.longest.max(group.references.len());
+            if self.has_rules {
+                let is_last = number + 1 == groups.len();
+                self.words.push(self.head(group, is_last));
+            } else {
+                turned ^= self.rules[group.fill].fills(group.base);
+            }
+            let words: Vec<u32> = group.references.iter().map(|one| self.word(*one)).collect();
+            push_list(self.words, words.into_iter());
+        }
+        list as u32 * 8 + LIST + u32::from(turned)
+    }
+
+    /// The word before the references of a group.
+    fn head(&self, group: &Group, is_last: bool) -> u32 {
+        let rule = match self.rules[group.fill] {
+            FillRule::EvenOdd => EVEN_ODD,
+            FillRule::NonZero => 0,
+        };
+        (group.base * 4 + rule + if is_last { LAST_HEAD } else { 0 }) as u32
+    }
+
+    /// The lattice of a crowded cell; a coarser one if its pieces are large, so that the references
+    /// do not outgrow them.
+    fn finer(&self, groups: &[Group], count: usize, [columns, rows]: [Bounds; 2]) -> Lattice {
+        const MOST_REFERENCES_PER_PIECE: f32 = 6.0;
+        let (least, most) = (Vec2::new(columns[0], rows[0]), Vec2::new(columns[1], rows[1]));
+        let extent = most - least;
+        let mut side = finer_side(count);
+        let cells_at = |side: u32| -> f32 {
+            let cells = |reference: &Reference| {
+                let piece = &self.member(*reference).piece;
+                let size = (piece.high - piece.low).abs().min(extent) / extent * side as f32;
+                (size.x + 1.0) * (size.y + 1.0)
+            };
+            groups.iter().flat_map(|group| &group.references).map(cells).sum()
+        };
+        while side > 1 && cells_at(side) > MOST_REFERENCES_PER_PIECE * count as f32 {
+            side /= 2;
+        }
+        Lattice::new(least, most, side)
+    }
+
+    /// The columns and rows that the pieces of a group touch together.
+    fn touched(&self, columns: &[Bounds], rows: &[Bounds], group: &Group) -> [Range<usize>; 2] {
+        let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        for reference in &group.references {
+            let piece = &self.member(*reference).piece;
+            least = least.min(piece.low.min(piece.high));
+            most = most.max(piece.low.max(piece.high));
+        }
+        [touched(columns, [least.x, most.x]), touched(rows, [least.y, most.y])]
+    }
+
+    /// The winding number at the corner of each cell, at its right and its bottom.
+    fn corners(&self, columns: &[Bounds], rows: &[Bounds], group: &Group) -> Vec<i32> {
+        // Each entry is added in its column and in those to the right of it.
+        let width = columns.len();
+        let mut turns = vec![0; (width + 1) * rows.len()];
+        let mut row_turns = vec![0; rows.len() + 1];
+        for reference in &group.references {
+            let member = self.member(*reference);
+            let (piece, turn) = (&member.piece, member.turn());
+            let rows_below = |v: f32| rows.partition_point(|[bottom, _]| *bottom < v);
+            match reference.beyond {
+                Beyond::Neither => {}
+                Beyond::Low => row_turns[rows_below(piece.low.y)] -= turn,
+                Beyond::High => row_turns[rows_below(piece.high.y)] += turn,
+            }
+            for row in rows_below(piece.low.y)..rows_below(piece.high.y) {
+                let v = rows[row][0];
+                let [least, most] = piece.u_range();
+                let surely = columns.partition_point(|[_, right]| *right < least);
+                turns[row * (width + 1)] += turn;
+                turns[row * (width + 1) + surely] -= turn;
+                let maybe = columns[surely..].iter().take_while(|[_, right]| *right < most);
+                for (column, [_, right]) in (surely..).zip(maybe) {
+                    if piece.crosses(Vec2::new(*right, v)) {
+                        turns[row * (width + 1) + column] += turn;
+                        turns[row * (width + 1) + column + 1] -= turn;
+                    }
+                }
+            }
+        }
+        let mut corners = Vec::with_capacity(width * rows.len());
+        let mut row_number = group.base;
+        for row in 0..rows.len() {
+            row_number += row_turns[row];
+            let mut number = row_number;
+            for column in 0..width {
+                number += turns[row * (width + 1) + column];
+                corners.push(number);
+            }
+        }
+        corners
+    }
+
+    /// The pieces that touch each cell: those of cell i are `members[starts[i]..starts[i + 1]]`.
+    fn members_of_cells(
+        &self,
+        columns: &[Bounds],
+        rows: &[Bounds],
+        group: &Group,
+    ) -> (Vec<u32>, Vec<u32>) {
+        let cells = columns.len() * rows.len();
+        let mut starts = vec![0_u32; cells + 1];
+        let each = |visit: &mut dyn FnMut(usize, u32)| {
+            for reference in &group.references {
+                let piece = &self.member(*reference).piece;
+                let [least, most] = piece.u_range();
+                for row in touched(rows, [piece.low.y, piece.high.y]) {
+                    for column in touched(columns, [least, most]) {
+                        visit(row * columns.len() + column, reference.piece);
+                    }
+                }
+            }
+        };
+        each(&mut |cell, _| starts[cell + 1] += 1);
+        for cell in 0..cells {
+            starts[cell + 1] += starts[cell];
+        }
+        let mut members = vec![0; starts[cells] as usize];
+        let mut next = starts.clone();
+        each(&mut |cell, piece| {
+            members[next[cell] as usize] = piece;
+            next[cell] += 1;
+        });
+        (starts, members)
+    }
+}

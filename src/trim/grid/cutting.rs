@@ -1,0 +1,119 @@
+//! Curves cut to the size of the cells that they touch.
+
+use glam::{DVec2, Vec2};
+
+use super::CROWDED;
+use crate::trim::lattice::{Lattice, touched};
+use crate::trim::pieces::{Curve, Piece, split};
+
+/// Cells along a side.
+const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
+/// Cutting curves to the size of cells adds so many pieces for each, but at least and at most these.
+const MORE_PIECES_PER_CURVE: usize = 15;
+const MORE_PIECES: std::ops::RangeInclusive<usize> = 1 << 14..=1 << 20;
+
+/// A curve, and the number of the fill that its loop belongs to.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FilledCurve {
+    pub(super) curve: Curve,
+    pub(super) fill: u32,
+}
+
+/// The lattice for so many curves: about 4 cells for each, fewer if that cut long curves into too
+/// many pieces. None if the curves hold nothing between them.
+pub(super) fn lattice_of(curves: &[FilledCurve]) -> Option<Lattice> {
+    let mut least = Vec2::INFINITY;
+    let mut most = Vec2::NEG_INFINITY;
+    for piece in curves.iter().filter_map(|curve| Piece::new(&curve.curve)) {
+        least = least.min(piece.low.min(piece.high));
+        most = most.max(piece.low.max(piece.high));
+    }
+    if !least.cmplt(most).all() {
+        return None;
+    }
+    // A power of two, because programs are compiled for each.
+    let wanted = (2 * curves.len().isqrt() as u32).next_power_of_two();
+    let mut side = wanted.clamp(*SIDES.start(), *SIDES.end());
+    let pieces_at = |side: u32| -> f64 {
+        let cells = |curve: &Curve| (curve[3] - curve[0]).abs().max_element() * f64::from(side);
+        curves.iter().map(|curve| cells(&curve.curve).max(1.0)).sum()
+    };
+    while side > 1 && pieces_at(side) > most_pieces(curves) as f64 / 2.0 {
+        side /= 2;
+    }
+    Some(Lattice::of_domain(side))
+}
+
+/// How many pieces curves may be cut into.
+fn most_pieces(curves: &[FilledCurve]) -> usize {
+    let more = MORE_PIECES_PER_CURVE * curves.len();
+    curves.len() + more.clamp(*MORE_PIECES.start(), *MORE_PIECES.end())
+}
+
+/// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
+/// finer cells there.
+pub(super) fn cut_to_cells(curves: &[FilledCurve], lattice: &Lattice) -> Vec<FilledCurve> {
+    // Smaller pieces would be cut by rounding.
+    const SMALLEST: f64 = 1e-6;
+    let cell = DVec2::ONE / lattice.size.as_dvec2();
+    let budget = most_pieces(curves);
+    let mut parts = Vec::with_capacity(curves.len());
+    for curve in curves {
+        halve(curve, 0, &mut parts, &|_| cell);
+    }
+    let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
+    let mut counts = vec![0_u32; lattice.count()];
+    let cells_of = |part: &FilledCurve| {
+        let part = &part.curve;
+        let (least, most) = (part[0].min(part[3]).as_vec2(), part[0].max(part[3]).as_vec2());
+        let columns = touched(&columns, [least.x, most.x]);
+        touched(&rows, [least.y, most.y])
+            .flat_map(move |row| columns.clone().map(move |column| (row, column)))
+            .map(|(row, column)| row * lattice.size.x as usize + column)
+    };
+    for part in &parts {
+        for cell in cells_of(part) {
+            counts[cell] += 1;
+        }
+    }
+    if counts.iter().all(|count| *count as usize <= CROWDED) {
+        return parts;
+    }
+    let mut finer = Vec::with_capacity(parts.len());
+    for part in &parts {
+        let crowd = cells_of(part).map(|cell| counts[cell] as usize).max().unwrap_or(0);
+        if crowd <= CROWDED || finer.len() > budget {
+            finer.push(*part);
+            continue;
+        }
+        halve(part, 0, &mut finer, &|part| {
+            let crowd = cells_of(part).map(|cell| counts[cell] as usize).max().unwrap_or(0);
+            let side = if crowd > CROWDED { finer_side(crowd) } else { 1 };
+            (cell / f64::from(side)).max(DVec2::splat(SMALLEST))
+        });
+    }
+    finer
+}
+
+/// Cells along a side of the finer lattice in a cell with so many pieces.
+pub(super) fn finer_side(count: usize) -> u32 {
+    (2.0 * (count as f64).sqrt()).min((*SIDES.end()).into()) as u32
+}
+
+/// Halves a curve until its box is no larger than `limit` allows there.
+fn halve(
+    curve: &FilledCurve,
+    depth: u32,
+    parts: &mut Vec<FilledCurve>,
+    limit: &impl Fn(&FilledCurve) -> DVec2,
+) {
+    const DEEPEST: u32 = 12;
+    let extent = (curve.curve[3] - curve.curve[0]).abs();
+    if depth == DEEPEST || extent.cmple(limit(curve)).all() {
+        parts.push(*curve);
+        return;
+    }
+    for half in split(&curve.curve, 0.5) {
+        halve(&FilledCurve { curve: half, ..*curve }, depth + 1, parts, limit);
+    }
+}
