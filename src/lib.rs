@@ -61,8 +61,8 @@
 //! # Features
 //!
 //! `cli` (default) builds the `freeform` program; `viewer` its window; `headless` the contexts without a
-//! display. With
-//! `default-features = false` the library brings neither clap nor glutin.
+//! display; `svg` takes SVG documents as trims. With `default-features = false` the library brings neither clap
+//! nor glutin nor usvg.
 
 mod aov;
 mod bezier;

@@ -12,6 +12,8 @@ mod newton;
 mod path;
 mod pieces;
 mod shapes;
+#[cfg(feature = "svg")]
+mod svg;
 
 use glam::DVec2;
 
@@ -20,6 +22,8 @@ pub use fill::{FillRule, TrimPath};
 pub use inside::{inside_loops, ray_crossings, winding_number};
 pub(crate) use newton::holds;
 pub use newton::{Newton, NewtonTrims};
+#[cfg(feature = "svg")]
+pub(crate) use svg::read as read_svg;
 
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::{Error, Result};

@@ -310,7 +310,14 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
     let points = |count: usize| vec!["[0, 0, 0]"; count].join(", ");
     folder.write("words.png", "these are words");
     image::GrayImage::new(40_000, 1).save(folder.path("wide.png")).unwrap();
+    folder.write("words.svg", "these are words");
+    folder.write(
+        "lines.svg",
+        "<svg xmlns='http://www.w3.org/2000/svg'><path d='M0 0H9V9' fill='none' stroke='red'/></svg>",
+    );
     let surface = |rest: &str| format!("[[surface]]\n{rest}\n");
+    let trim =
+        |rest: &str| surface(&format!("control_points = \"default\"\n[[surface.trim]]\n{rest}"));
     for (toml, words) in [
         ("surface = 3".into(), &[":1:", "invalid type"][..]),
         ("[render]\nlevel = \"high\"".into(), &[":2:", "expected i64"]),
@@ -338,6 +345,19 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
                 "control_points = \"default\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z\"\n[[surface.trim]]\npath = \"M0 0 L1 1 0 1Z M0 0 L1e16 0Z\"",
             ),
             &[":5:", "loop 2", "finite"],
+        ),
+        (trim("path = \"M0 0 L1 1 0 1Z\"\nfill_rule = \"odd\""), &[":5:", "`odd`", "nonzero"]),
+        (trim("fill_rule = \"nonzero\"\nloop = []"), &[":3:", "fill_rule", "a path"]),
+        (trim("path = \"M0 0 L1 1 0 1Z\"\nloop = []"), &[":3:", "one of circle", "svg"]),
+        (trim(""), &[":3:", "one of circle"]),
+        (trim("svg = \"none.svg\""), &[":3:", "none.svg", "No such file"]),
+        (trim("svg = \"words.svg\""), &[":3:", "words.svg", "valid SVG"]),
+        (trim("svg = \"lines.svg\""), &[":3:", "lines.svg", "without a filled shape"]),
+        (
+            trim(
+                "path = \"M0 0 L1 1 0 1Z\"\nfill_rule = \"evenodd\"\n[render]\nmethod = \"thesis\"",
+            ),
+            &[":3:", "a path", "rule of its own"],
         ),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]".into(), &[":1:", "camera eye"]),
         (surface("control_points = \"defualt\""), &[":2:", "default"]),

@@ -5,7 +5,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use common::{assert_same, load, render, root};
-use freeform_surface::{Scene, Shading};
+use freeform_surface::{FillRule, Keep, Paint, Scene, Shading, TrimPath, Trims};
 use glam::{DMat4, DVec3, UVec2, dvec3};
 
 const SIZE: UVec2 = UVec2::new(160, 96);
@@ -110,6 +110,33 @@ fn trims_that_are_off_are_left_out() {
     scene.surfaces[0].trims.circles_on = false;
     let text = scene.to_toml("a.toml".as_ref()).unwrap().text;
     assert!(!text.contains("circle"), "{text}");
+}
+
+#[test]
+fn paths_keep_their_rules_and_lengths() {
+    let mut scene = Scene::listing16();
+    scene.surfaces[0].paint = Paint::default();
+    let trims = &mut scene.surfaces[0].trims;
+    trims.add_svg_path("M.1 .1 L.9 .1 .5 .5 Z").unwrap();
+    for rule in [FillRule::NonZero, FillRule::EvenOdd] {
+        let many = (0..300).map(|i| format!("M.{i} .3 q.05 .05 .1 0 z")).collect::<String>();
+        trims.add_path(TrimPath::from_svg_path(&many, rule).unwrap()).unwrap();
+    }
+    trims.add_path(TrimPath::default()).unwrap();
+    trims.keep = Keep::Inside;
+    let read = |scene: &Scene| {
+        let text = scene.to_toml("a.toml".as_ref()).unwrap().text;
+        Scene::from_toml(&text, "a.toml".as_ref()).unwrap().surfaces[0].trims.clone()
+    };
+    let mut written = scene.surfaces[0].trims.clone();
+    written.paths.pop();
+    assert!(read(&scene) == written);
+    // A border may be of paths alone; what is switched off is left out with it.
+    scene.surfaces[0].trims.loops.clear();
+    written.loops.clear();
+    assert!(read(&scene) == written);
+    scene.surfaces[0].trims.loops_on = false;
+    assert!(read(&scene) == Trims { circles: written.circles, ..Trims::default() });
 }
 
 #[test]

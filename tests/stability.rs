@@ -116,6 +116,7 @@ cases! {
     samples_on_edges_of_cells: "cell-edge", Refuses;
     coordinates_outside_the_domain: "outside", Refuses;
     border_with_a_hole: "keep-inside", Refuses;
+    paths_of_both_rules: "fill-rules", Refuses;
     circles_intervals_and_ellipses: "shapes", Wrong(0);
     ten_thousand_segments: "10000-segments", Wrong(350);
     ten_thousand_segments_in_one_cell: "10000-in-one-cell", Refuses;

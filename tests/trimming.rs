@@ -9,8 +9,8 @@ use std::sync::Arc;
 use freeform_surface::gpu::Framebuffer;
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{
-    Circle, Frame, PreparedScene, Renderer, Samples, Scene, Segment, Shading, TessLevel,
-    Tessellation, TrimGrid, TrimLoop, Trims,
+    Circle, FillRule, Frame, Keep, PreparedScene, Renderer, Samples, Scene, Segment, Shading,
+    TessLevel, Tessellation, TrimGrid, TrimLoop, TrimPath, Trims,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, dvec2, vec2};
 use glow::{HasContext, PixelPackData};
@@ -66,6 +66,17 @@ fn random_loops(random: &mut Random) -> Vec<TrimLoop> {
     (0..random.count(4)).map(|_| chain(random)).collect()
 }
 
+/// Random loops, and paths of both rules.
+fn random_paths(random: &mut Random) -> Trims {
+    let mut trims = Trims { loops: random_loops(random), ..Trims::default() };
+    for _ in 0..random.count(4) {
+        let rule = if random.unit() < 0.7 { FillRule::NonZero } else { FillRule::EvenOdd };
+        trims.paths.push(TrimPath { loops: random_loops(random), rule });
+    }
+    trims.keep = if random.unit() < 0.5 { Keep::Outside } else { Keep::Inside };
+    trims
+}
+
 /// Draws flat scenes and counts the pixels that are decided wrongly.
 struct FlatPictures {
     target: Framebuffer,
@@ -107,9 +118,19 @@ fn every_pixel_of_200_random_scenes_is_decided_as_the_oracle_does() {
 }
 
 #[test]
+fn every_pixel_of_60_random_scenes_of_paths_is_decided_as_the_oracle_does() {
+    let mut pictures = FlatPictures::new();
+    let mut random = Random(7);
+    for number in 0..60 {
+        let trims = random_paths(&mut random);
+        assert_eq!(pictures.wrong(&trims), 0, "scene {number}: {trims:?}");
+    }
+}
+
+#[test]
 fn every_pixel_of_the_gallerys_trims_is_decided_as_the_oracle_does() {
     let mut pictures = FlatPictures::new();
-    for name in ["lettering", "gear", "lace", "shell"] {
+    for name in ["lettering", "gear", "lace", "shell", "badge"] {
         let scene = load(&root().join(format!("resources/scenes/gallery/{name}.toml")));
         assert!(!scene.surfaces.is_empty());
         for (number, surface) in scene.surfaces.iter().enumerate() {
@@ -318,6 +339,7 @@ fn the_gpu_decides_bit_for_bit_as_the_cpu_does_on_a_curved_patch() {
             let trims = match number {
                 0 => mixed_trims(),
                 1 => starburst(),
+                2..6 => random_paths(&mut random),
                 _ => Trims { loops: random_loops(&mut random), ..Trims::default() },
             };
             let scene = curved(trims);
@@ -457,9 +479,7 @@ fn samples_drawn(context: &Checked, scene: &Scene, side: u32) -> Vec<(DVec2, Vec
 fn every_sample_of_a_pixel_is_decided_at_its_own_place() {
     const SIDE: u32 = 512;
     for backend in backends() {
-        for trims in
-            [mixed_trims(), Trims { loops: random_loops(&mut Random(5)), ..Trims::default() }]
-        {
+        for trims in [mixed_trims(), random_paths(&mut Random(5))] {
             let scene = flat(trims);
             let context = Checked::new(backend);
             let samples = samples_drawn(&context, &scene, SIDE);

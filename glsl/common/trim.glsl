@@ -161,7 +161,6 @@ bool cutByLoops(vec2 uv)
 }
 #endif
 
-
 #ifdef SHAPES
 bool cutByShape(uint reference, vec2 uv)
 {

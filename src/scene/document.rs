@@ -1,17 +1,19 @@
 //! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every fault names its line.
 
+mod trims;
+
 use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::{DMat4, DVec2, DVec3, DVec4, EulerRot};
+use glam::{DMat4, DVec3, DVec4, EulerRot};
 use toml::Spanned;
 
 use super::file::{extension, line_of, read_text, unreadable};
 use super::tables::{
     CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
-    ShadingName, SmoothingName, SurfaceTable, TrimTable,
+    ShadingName, SmoothingName, SurfaceTable,
 };
 use super::{
     Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene,
@@ -21,10 +23,8 @@ use super::{
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
 use crate::surface::check_transform;
-use crate::{
-    Alpha, Camera, Circle, CreaseAngle, Degree, Ellipse, Error, Interval, Keep, Newton,
-    NewtonTrims, Result, Segment, Smoothing, TrimLoop, Trims,
-};
+use crate::{Alpha, Camera, CreaseAngle, Degree, Error, Keep, Newton, Result, Smoothing};
+use trims::{PlacedTrims, TrimPlaces};
 
 /// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond
 /// `MAX_STRING_BYTES`. The toml crate takes up to 250 times as much memory; a control net that is
@@ -45,7 +45,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
     let mut stage = None;
     let mut surfaces = Vec::new();
     let mut meshes = Vec::new();
-    let mut loop_places = Vec::new();
+    let mut trim_places = Vec::new();
     for chunk in chunks(text) {
         builder.chunk = chunk.start;
         let document = builder.document(&text[chunk])?;
@@ -53,7 +53,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         builder.once("render", &mut stage, document.render, stage_of)?;
         for table in document.surface {
             let (new, places) = builder.surfaces(table)?;
-            loop_places.extend(new.iter().map(|_| places.clone()));
+            trim_places.extend(new.iter().map(|_| places.clone()));
             surfaces.extend(new);
         }
         for table in document.mesh {
@@ -74,7 +74,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
     let up = up.unwrap_or(if of_files { UpAxis::Z } else { UpAxis::Y }).direction();
     if settings.method == Method::Thesis {
         builder.chunk = 0;
-        for (surface, places) in std::iter::zip(&surfaces, &loop_places) {
+        for (surface, places) in std::iter::zip(&surfaces, &trim_places) {
             builder.check_for_thesis(&surface.trims, places)?;
         }
     }
@@ -203,18 +203,9 @@ impl Builder<'_> {
         self.path.parent().unwrap_or_else(|| Path::new("")).join(file)
     }
 
-    /// Refuses trims that the thesis' method cannot cut; `places` are the bytes of the loops.
-    fn check_for_thesis(&self, trims: &Trims, places: &[usize]) -> Result<()> {
-        let Err(error) = NewtonTrims::of(trims) else { return Ok(()) };
-        Err(match NewtonTrims::sorted(&trims.loops) {
-            Err((to_blame, error)) => self.at(places[to_blame], error),
-            Ok(_) => self.at(places[0], error),
-        })
-    }
-
-    /// The surface of one table, several if its file holds patches of two degrees, and the bytes of
-    /// the text where its loops stand.
-    fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, Vec<usize>)> {
+    /// The surface of one table, several if its file holds patches of two degrees, and where its trims
+    /// stand.
+    fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, TrimPlaces)> {
         let start = table.span().start;
         let table = table.into_inner();
         let mut surfaces = match (table.control_points, table.file) {
@@ -252,29 +243,8 @@ impl Builder<'_> {
                 CullName::Back => Cull::Back,
             };
         }
-        let mut trims = Trims {
-            keep: match table.keep {
-                KeepName::Outside => Keep::Outside,
-                KeepName::Inside => Keep::Inside,
-            },
-            ..Trims::default()
-        };
-        let mut loop_places = Vec::new();
-        for trim in table.trim {
-            let start = trim.span().start;
-            let place = self.chunk + start;
-            let before = trims.loops.len();
-            self.check(trim, |trim| add_trim(trim, &mut trims))?;
-            if is_outside(&trims.loops[before..]) {
-                log::warn!(
-                    "{}:{}: the path lies wholly outside of the domain, [0, 1] × [0, 1]",
-                    self.path.display(),
-                    line_of(self.text, place)
-                );
-            }
-            loop_places.resize(trims.loops.len(), place);
-        }
-        if trims.keep == Keep::Inside && trims.loops.is_empty() {
+        let PlacedTrims { trims, places } = self.trims(table.trim, table.keep)?;
+        if trims.keep == Keep::Inside && !trims.has_loops() {
             let borderless =
                 Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
             return Err(self.at(start, borderless));
@@ -285,7 +255,7 @@ impl Builder<'_> {
             surface.trims = trims.clone();
         }
         first.trims = trims;
-        Ok((surfaces, loop_places))
+        Ok((surfaces, places))
     }
 
     fn mesh(&mut self, table: Spanned<MeshTable>) -> Result<MeshModel> {
@@ -476,42 +446,6 @@ pub(super) fn transform(
     Ok(DMat4::from_translation(translate)
         * DMat4::from_euler(EulerRot::ZYX, radians.z, radians.y, radians.x)
         * DMat4::from_scale(DVec3::splat(scale)))
-}
-
-/// Whether there are loops, none of which reaches into the domain.
-fn is_outside(loops: &[TrimLoop]) -> bool {
-    let beyond = |trim_loop: &TrimLoop| {
-        let [low, high] = trim_loop.control_box();
-        high.min_element() < 0.0 || low.max_element() > 1.0
-    };
-    !loops.is_empty() && loops.iter().all(beyond)
-}
-
-fn add_trim(trim: TrimTable, trims: &mut Trims) -> Result<()> {
-    match trim {
-        TrimTable::Circle { center, radius } => {
-            trims.circles.push(Circle::new(center.into(), radius)?);
-        }
-        TrimTable::Interval { u, v } => {
-            trims.intervals.push(Interval::new(u.into(), v.into())?);
-        }
-        TrimTable::Ellipse { center, radii } => {
-            trims.ellipses.push(Ellipse::new(center.into(), radii.into())?);
-        }
-        TrimTable::Loop(segments) => {
-            let segments = segments.iter().enumerate().map(|(number, points)| {
-                let points: Vec<DVec2> = points.iter().map(|point| DVec2::from(*point)).collect();
-                Segment::new(&points).map_err(|error| error.within(format!("segment {number}")))
-            });
-            let trim_loop = segments
-                .collect::<Result<_>>()
-                .and_then(TrimLoop::new)
-                .map_err(|error| error.within(format!("loop {}", trims.loops.len())))?;
-            trims.add_loop(trim_loop)?;
-        }
-        TrimTable::Path(data) => trims.add_svg_path(&data)?,
-    }
-    Ok(())
 }
 
 #[cfg(test)]

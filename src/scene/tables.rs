@@ -6,6 +6,7 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::Shading;
+use crate::FillRule;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -144,14 +145,54 @@ impl From<ShadingName> for Shading {
     }
 }
 
+/// One kind of trim, and the rule of a path.
 #[derive(Deserialize)]
-#[serde(rename_all = "lowercase", deny_unknown_fields)]
-pub(super) enum TrimTable {
-    Circle { center: [f64; 2], radius: f64 },
-    Interval { u: [f64; 2], v: [f64; 2] },
-    Ellipse { center: [f64; 2], radii: [f64; 2] },
-    Loop(Vec<Vec<[f64; 2]>>),
-    Path(String),
+#[serde(deny_unknown_fields)]
+pub(super) struct TrimTable {
+    pub(super) circle: Option<CircleTable>,
+    pub(super) interval: Option<IntervalTable>,
+    pub(super) ellipse: Option<EllipseTable>,
+    pub(super) r#loop: Option<Vec<Vec<[f64; 2]>>>,
+    pub(super) path: Option<String>,
+    pub(super) svg: Option<String>,
+    pub(super) fill_rule: Option<FillRuleName>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CircleTable {
+    pub(super) center: [f64; 2],
+    pub(super) radius: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct IntervalTable {
+    pub(super) u: [f64; 2],
+    pub(super) v: [f64; 2],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EllipseTable {
+    pub(super) center: [f64; 2],
+    pub(super) radii: [f64; 2],
+}
+
+#[derive(Deserialize, Clone, Copy, PartialEq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum FillRuleName {
+    EvenOdd,
+    NonZero,
+}
+
+impl From<FillRuleName> for FillRule {
+    fn from(name: FillRuleName) -> Self {
+        match name {
+            FillRuleName::EvenOdd => Self::EvenOdd,
+            FillRuleName::NonZero => Self::NonZero,
+        }
+    }
 }
 
 /// `"default"`, or points of three or four numbers.

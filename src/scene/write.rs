@@ -18,7 +18,9 @@ use super::{
     Tessellation, bpt, default_control_points, load_texture,
 };
 use crate::camera::Lens;
-use crate::{Camera, CreaseAngle, Error, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims};
+use crate::{
+    Camera, CreaseAngle, Error, FillRule, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims,
+};
 
 /// Loops of more segments together are written as a path, whose length a scene does not limit.
 const MANY_SEGMENTS: usize = 200;
@@ -294,7 +296,9 @@ impl Writer<'_> {
     fn trims(&mut self, trims: &Trims) {
         let on = |on: bool| if on { usize::MAX } else { 0 };
         let loops = &trims.loops[..trims.loops.len().min(on(trims.loops_on))];
-        if trims.keep == Keep::Inside && !loops.is_empty() {
+        let paths = &trims.paths[..trims.paths.len().min(on(trims.loops_on))];
+        let paths = paths.iter().filter(|path| !path.loops.is_empty());
+        if trims.keep == Keep::Inside && (!loops.is_empty() || paths.clone().next().is_some()) {
             self.line("keep", "\"inside\"");
         }
         for circle in trims.circles.iter().take(on(trims.circles_on)) {
@@ -310,16 +314,23 @@ impl Writer<'_> {
             self.trim("ellipse", format_args!("{{ center = {center}, radii = {radii} }}"));
         }
         if loops.iter().map(|one| one.segments().len()).sum::<usize>() > MANY_SEGMENTS {
-            let lines: Vec<String> = loops.iter().map(path_data).collect();
-            self.trim("path", format_args!("\"\"\"\n{}\n\"\"\"", lines.join("\n")));
-            return;
+            self.trim("path", path_text(loops));
+        } else {
+            for trim_loop in loops {
+                let segments = trim_loop.segments().iter().map(|segment| {
+                    let points: Vec<String> = segment.points().iter().copied().map(pair).collect();
+                    format!("    [{}],\n", points.join(", "))
+                });
+                self.trim("loop", format_args!("[\n{}]", segments.collect::<String>()));
+            }
         }
-        for trim_loop in loops {
-            let segments = trim_loop.segments().iter().map(|segment| {
-                let points: Vec<String> = segment.points().iter().copied().map(pair).collect();
-                format!("    [{}],\n", points.join(", "))
-            });
-            self.trim("loop", format_args!("[\n{}]", segments.collect::<String>()));
+        for path in paths {
+            self.trim("path", path_text(&path.loops));
+            let rule = match path.rule {
+                FillRule::EvenOdd => "evenodd",
+                FillRule::NonZero => "nonzero",
+            };
+            self.line("fill_rule", format_args!("\"{rule}\""));
         }
     }
 
@@ -327,6 +338,12 @@ impl Writer<'_> {
         self.header("[[surface.trim]]");
         self.line(key, value);
     }
+}
+
+/// Loops as a string of SVG path data.
+fn path_text(loops: &[TrimLoop]) -> String {
+    let lines: Vec<String> = loops.iter().map(path_data).collect();
+    format!("\"\"\"\n{}\n\"\"\"", lines.join("\n"))
 }
 
 /// A loop as SVG path data; it ends where it began.

@@ -48,11 +48,21 @@ fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
     for segment in PathParser::from(data) {
         reader.take(segment.map_err(|error| unreadable(data, &error))?)?;
     }
-    reader.end_loop()?;
-    if reader.loops.is_empty() {
+    let loops = reader.finish()?;
+    if loops.is_empty() {
         return Err(Error::invalid("path", "empty", "at least one subpath with a segment"));
     }
-    Ok(reader.loops)
+    Ok(loops)
+}
+
+/// The loops of a path's segments; subpaths as [`TrimLoop::from_svg_path`] takes them.
+#[cfg(feature = "svg")]
+pub(super) fn loops_of(segments: impl Iterator<Item = PathSegment>) -> Result<Vec<TrimLoop>> {
+    let mut reader = Reader::default();
+    for segment in segments {
+        reader.take(segment)?;
+    }
+    reader.finish()
 }
 
 /// How many commands each subpath has, so that memory can be taken once.
@@ -228,6 +238,11 @@ impl Reader {
             self.loops.push(trim_loop);
         }
         Ok(())
+    }
+
+    fn finish(mut self) -> Result<Vec<TrimLoop>> {
+        self.end_loop()?;
+        Ok(self.loops)
     }
 
     /// The same error with the number of the loop.

@@ -94,7 +94,7 @@ fn curves(painter: &egui::Painter, trims: &Trims, place: impl Fn(DVec2) -> Pos2)
         closed(corners.map(&place).to_vec(), trims.intervals_on);
     }
     let segments = trims.segment_count();
-    for trim_loop in &trims.loops {
+    for trim_loop in trims.all_loops() {
         let points = trim_loop.segments().iter().flat_map(|segment| {
             let parts = match segment {
                 Segment::Line(_) => 1,

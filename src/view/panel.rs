@@ -277,16 +277,18 @@ fn numbers(ui: &mut Ui, trims: &Trims) -> Option<Trims> {
         intervals: trims.intervals.clone(),
         ellipses: trims.ellipses.clone(),
         loops: Vec::new(),
+        paths: Vec::new(),
         ..*trims
     };
     let mut edited = own.clone();
     shapes(ui, &mut edited);
-    if !trims.loops.is_empty() {
-        let (loops, segments) = (trims.loops.len(), trims.segment_count());
+    if trims.has_loops() {
+        let (loops, segments) = (trims.all_loops().count(), trims.segment_count());
         let off = if trims.loops_on { "" } else { ", off" };
         ui.label(format!("{loops} loops, {segments} segments{off}"));
     }
-    (edited != own).then(|| Trims { loops: trims.loops.clone(), ..edited })
+    let (loops, paths) = (&trims.loops, &trims.paths);
+    (edited != own).then(|| Trims { loops: loops.clone(), paths: paths.clone(), ..edited })
 }
 
 /// The numbers of circles, intervals and ellipses.

@@ -25,7 +25,8 @@ pub(crate) enum Handle {
     EllipseU(usize),
     /// The upper end of an ellipse.
     EllipseV(usize),
-    /// A point of a segment of a loop, but not its last: that is the first of the next.
+    /// A point of a segment of a loop, also one of a path, but not the segment's last point: that is
+    /// the first of the next.
     Loop { number: usize, segment: usize, point: usize },
 }
 
@@ -45,7 +46,7 @@ pub(crate) fn handles(trims: &Trims) -> Vec<(Handle, DVec2)> {
         handles.push((Handle::EllipseU(i), *center + dvec2(radii.x, 0.0)));
         handles.push((Handle::EllipseV(i), *center + dvec2(0.0, radii.y)));
     }
-    for (number, trim_loop) in trims.loops.iter().enumerate() {
+    for (number, trim_loop) in trims.all_loops().enumerate() {
         for (segment, curve) in trim_loop.segments().iter().enumerate() {
             let points = curve.points();
             for (point, place) in points[..points.len() - 1].iter().enumerate() {
@@ -95,7 +96,8 @@ pub(crate) fn pulled(trims: &Trims, handle: Handle, to: DVec2) -> Result<Trims> 
             };
         }
         Handle::Loop { number, segment, point } => {
-            let trim_loop = trims.loops.get_mut(number).ok_or_else(gone)?;
+            let of_paths = trims.paths.iter_mut().flat_map(|path| &mut path.loops);
+            let trim_loop = trims.loops.iter_mut().chain(of_paths).nth(number).ok_or_else(gone)?;
             *trim_loop = with_point(trim_loop, segment, point, to)?;
         }
     }
@@ -140,7 +142,7 @@ pub(crate) fn switched(
         TrimKind::Circle => trims.circles.len(),
         TrimKind::Interval => trims.intervals.len(),
         TrimKind::Ellipse => trims.ellipses.len(),
-        TrimKind::Loop | TrimKind::Nested => trims.loops.len(),
+        TrimKind::Loop | TrimKind::Nested => trims.all_loops().count(),
     };
     if scene.surfaces.iter().all(|surface| count(&surface.trims) == 0) {
         return with_trims(&|number, trims| {
@@ -274,7 +276,7 @@ fn shrunk(outer: &TrimLoop) -> Result<TrimLoop> {
 mod tests {
     use super::*;
     use crate::view::undo::History;
-    use freeform_surface::NewtonTrims;
+    use freeform_surface::{FillRule, NewtonTrims, TrimPath};
 
     const KINDS: [TrimKind; 5] =
         [TrimKind::Circle, TrimKind::Interval, TrimKind::Ellipse, TrimKind::Loop, TrimKind::Nested];
@@ -338,8 +340,11 @@ mod tests {
         for kind in KINDS {
             add(&mut trims, kind);
         }
+        trims
+            .paths
+            .push(TrimPath { loops: vec![lens_loop(0.2).unwrap()], rule: FillRule::NonZero });
         let all = handles(&trims);
-        assert_eq!(all.len(), 2 + 2 + 3 + 4 + 4);
+        assert_eq!(all.len(), 2 + 2 + 3 + 4 + 4 + 4);
         for (i, (handle, place)) in all.iter().enumerate() {
             // Radii have one direction, corners keep their order.
             let to = match handle {

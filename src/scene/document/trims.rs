@@ -1,0 +1,147 @@
+//! The trims of a `[[surface]]`.
+
+use glam::DVec2;
+use toml::Spanned;
+
+use super::{Builder, KeepName, line_of};
+use crate::scene::tables::{CircleTable, EllipseTable, IntervalTable, TrimTable};
+use crate::{
+    Circle, Ellipse, Error, Interval, Keep, NewtonTrims, Result, Segment, TrimLoop, TrimPath, Trims,
+};
+
+/// The trims of one table, and where they stand.
+pub(super) struct PlacedTrims {
+    pub(super) trims: Trims,
+    pub(super) places: TrimPlaces,
+}
+
+/// The bytes of the text where each loop and each path stands.
+#[derive(Clone, Default)]
+pub(super) struct TrimPlaces {
+    loops: Vec<usize>,
+    paths: Vec<usize>,
+}
+
+impl Builder<'_> {
+    pub(super) fn trims(
+        &mut self,
+        tables: Vec<Spanned<TrimTable>>,
+        keep: KeepName,
+    ) -> Result<PlacedTrims> {
+        let keep = match keep {
+            KeepName::Outside => Keep::Outside,
+            KeepName::Inside => Keep::Inside,
+        };
+        let mut trims = Trims { keep, ..Trims::default() };
+        let mut places = TrimPlaces::default();
+        for table in tables {
+            let start = table.span().start;
+            let place = self.chunk + start;
+            let (loops, paths) = (trims.loops.len(), trims.paths.len());
+            self.add_trim(table.into_inner(), &mut trims, place)
+                .map_err(|error| self.at(start, error))?;
+            let new_paths = trims.paths[paths..].iter().flat_map(|path| &path.loops);
+            if is_outside(trims.loops[loops..].iter().chain(new_paths)) {
+                self.warn(place, "the path lies wholly outside of the domain, [0, 1] × [0, 1]");
+            }
+            places.loops.resize(trims.loops.len(), place);
+            places.paths.resize(trims.paths.len(), place);
+        }
+        Ok(PlacedTrims { trims, places })
+    }
+
+    fn add_trim(&mut self, table: TrimTable, trims: &mut Trims, place: usize) -> Result<()> {
+        let TrimTable { circle, interval, ellipse, r#loop, path, svg, fill_rule } = table;
+        if fill_rule.is_some() && path.is_none() {
+            return Err(Error::invalid("fill_rule", "without a path", "a path beside it"));
+        }
+        match (circle, interval, ellipse, r#loop, path, svg) {
+            (Some(CircleTable { center, radius }), None, None, None, None, None) => {
+                trims.circles.push(Circle::new(center.into(), radius)?);
+            }
+            (None, Some(IntervalTable { u, v }), None, None, None, None) => {
+                trims.intervals.push(Interval::new(u.into(), v.into())?);
+            }
+            (None, None, Some(EllipseTable { center, radii }), None, None, None) => {
+                trims.ellipses.push(Ellipse::new(center.into(), radii.into())?);
+            }
+            (None, None, None, Some(segments), None, None) => {
+                let trim_loop = loop_of(&segments)
+                    .map_err(|error| error.within(format!("loop {}", trims.loops.len())))?;
+                trims.add_loop(trim_loop)?;
+            }
+            (None, None, None, None, Some(data), None) => match fill_rule {
+                None => trims.add_svg_path(&data)?,
+                Some(rule) => trims.add_path(TrimPath::from_svg_path(&data, rule.into())?)?,
+            },
+            (None, None, None, None, None, Some(file)) => self.add_svg(&file, trims, place)?,
+            _ => {
+                return Err(Error::invalid(
+                    "trim",
+                    "without one kind",
+                    "one of circle, interval, ellipse, loop, path, svg",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    #[cfg(feature = "svg")]
+    fn add_svg(&mut self, file: &str, trims: &mut Trims, place: usize) -> Result<()> {
+        let path = self.beside_scene(file);
+        let unreadable = |error| crate::scene::unreadable(&path, error);
+        let text = crate::scene::read_text(&path)?;
+        let (paths, ignored) = crate::trim::read_svg(&text).map_err(unreadable)?;
+        for trim_path in paths {
+            trims.add_path(trim_path).map_err(unreadable)?;
+        }
+        if !ignored.is_empty() {
+            let ignored = ignored.join(", ");
+            self.warn(
+                place,
+                &format!("of {} only what is filled is taken, not its {ignored}", path.display()),
+            );
+        }
+        self.files.push(path);
+        Ok(())
+    }
+
+    #[cfg(not(feature = "svg"))]
+    fn add_svg(&mut self, _: &str, _: &mut Trims, _: usize) -> Result<()> {
+        Err(Error::invalid("svg", "of no use in this build", "a build with the feature svg"))
+    }
+
+    /// A warning with the line of a byte of the text.
+    fn warn(&self, place: usize, words: &str) {
+        log::warn!("{}:{}: {words}", self.path.display(), line_of(self.text, place));
+    }
+
+    /// Refuses trims that the thesis' method cannot cut.
+    pub(super) fn check_for_thesis(&self, trims: &Trims, places: &TrimPlaces) -> Result<()> {
+        let Err(error) = NewtonTrims::of(trims) else { return Ok(()) };
+        if let Some(place) = places.paths.first() {
+            return Err(self.at(*place, error));
+        }
+        Err(match NewtonTrims::sorted(&trims.loops) {
+            Err((to_blame, error)) => self.at(places.loops[to_blame], error),
+            Ok(_) => self.at(places.loops[0], error),
+        })
+    }
+}
+
+fn loop_of(segments: &[Vec<[f64; 2]>]) -> Result<TrimLoop> {
+    let segments = segments.iter().enumerate().map(|(number, points)| {
+        let points: Vec<DVec2> = points.iter().map(|point| DVec2::from(*point)).collect();
+        Segment::new(&points).map_err(|error| error.within(format!("segment {number}")))
+    });
+    segments.collect::<Result<_>>().and_then(TrimLoop::new)
+}
+
+/// Whether there are loops, none of which reaches into the domain.
+fn is_outside<'a>(mut loops: impl Iterator<Item = &'a TrimLoop> + Clone) -> bool {
+    let beyond = |trim_loop: &TrimLoop| {
+        let [low, high] = trim_loop.control_box();
+        high.min_element() < 0.0 || low.max_element() > 1.0
+    };
+    loops.clone().next().is_some() && loops.all(beyond)
+}
