@@ -120,9 +120,8 @@ pub(super) fn build(
     Some(Grid { lattice, pieces, longest, has_rules })
 }
 
-/// Appends a list of references, which must not be empty.
-pub(super) fn push_list(words: &mut Vec<u32>, references: impl Iterator<Item = u32>) {
-    words.extend(references);
+/// Marks the last word as the last of its list.
+pub(super) fn end_list(words: &mut [u32]) {
     if let Some(last) = words.last_mut() {
         *last |= LAST;
     }

@@ -98,7 +98,25 @@ impl Lattice {
 
 /// The columns or rows that the closed range from `least` to `most` touches.
 pub(super) fn touched(bounds: &[Bounds], [least, most]: [f32; 2]) -> std::ops::Range<usize> {
-    let first = bounds.partition_point(|[_, high]| *high < least);
-    let end = bounds.partition_point(|[low, _]| *low <= most);
+    let first = count_before(bounds, least, |[_, high]| *high < least);
+    let end = count_before(bounds, most, |[low, _]| *low <= most);
     first..end.max(first)
+}
+
+/// How many of equal columns or rows hold `is_before`, which those up to about `x` do.
+pub(super) fn count_before(
+    bounds: &[Bounds],
+    x: f32,
+    is_before: impl Fn(&Bounds) -> bool,
+) -> usize {
+    let [Some([low, _]), Some([_, high])] = [bounds.first(), bounds.last()] else { return 0 };
+    let guess = (x - low) / (high - low) * bounds.len() as f32;
+    let mut count = (guess as usize).min(bounds.len());
+    while count > 0 && !is_before(&bounds[count - 1]) {
+        count -= 1;
+    }
+    while count < bounds.len() && is_before(&bounds[count]) {
+        count += 1;
+    }
+    count
 }

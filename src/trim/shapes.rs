@@ -3,7 +3,7 @@
 
 use glam::{DVec2, UVec2, Vec2};
 
-use super::grid::{LIST, push_list};
+use super::grid::{LIST, end_list};
 use super::lattice::Lattice;
 use super::{Circle, Ellipse, Interval, Trims};
 
@@ -196,7 +196,8 @@ fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: 
             0
         } else {
             let at = words.len() as u32;
-            push_list(words, list.iter().copied());
+            words.extend(list);
+            end_list(words);
             at * 8 + LIST
         };
     }

@@ -6,10 +6,10 @@ use glam::Vec2;
 
 use super::cutting::{FilledCurve, finer_side};
 use super::{
-    CROWDED, EVEN_ODD, FALLS, FINER, HEADER_WORDS, LAST_HEAD, LIST, PIECE_WORDS, push_list,
+    CROWDED, EVEN_ODD, FALLS, FINER, HEADER_WORDS, LAST_HEAD, LIST, PIECE_WORDS, end_list,
 };
 use crate::trim::FillRule;
-use crate::trim::lattice::{Bounds, Lattice, touched};
+use crate::trim::lattice::{Bounds, Lattice, count_before, touched};
 use crate::trim::pieces::Piece;
 
 /// Bit of a reference to a piece that bulges to the left of its chord.
@@ -88,34 +88,31 @@ pub(super) struct Builder<'a> {
 impl Builder<'_> {
     /// Fills the cells of the domain.
     pub(super) fn fill_domain(&mut self, lattice: &Lattice) {
-        let all = (0..).zip(self.members);
-        let groups: Vec<Group> = all
-            .collect::<Vec<(u32, &Member)>>()
-            .chunk_by(|(_, a), (_, b)| a.fill == b.fill)
-            .map(|members| {
-                let references = members
-                    .iter()
-                    .map(|(piece, _)| Reference { piece: *piece, beyond: Beyond::Neither });
-                Group {
-                    fill: members[0].1.fill as usize,
-                    base: 0,
-                    references: references.collect(),
-                }
-            })
-            .collect();
+        let mut first = 0;
+        let groups = self.members.chunk_by(|a, b| a.fill == b.fill).map(|members| {
+            let pieces = first..first + members.len() as u32;
+            first = pieces.end;
+            let reference = |piece| Reference { piece, beyond: Beyond::Neither };
+            Group {
+                fill: members[0].fill as usize,
+                base: 0,
+                references: pieces.map(reference).collect(),
+            }
+        });
+        let groups: Vec<Group> = groups.collect();
         self.fill(HEADER_WORDS, lattice, &groups, true);
     }
 
     /// Fills the cells of a lattice, which begin at a word: of the domain, or finer ones.
     fn fill(&mut self, first: usize, lattice: &Lattice, groups: &[Group], is_domain: bool) {
-        let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
+        let [columns, rows] = &[0, 1].map(|axis| lattice.bounds(axis));
         let mut inside = vec![false; lattice.count()];
         let mut listed: Vec<Listed> = Vec::new();
         let mut members: Vec<u32> = Vec::new();
         for group in groups {
             // A whole loop has no inside beyond the cells that its pieces touch.
             let window = if is_domain {
-                self.touched(&columns, &rows, group)
+                self.touched(columns, rows, group)
             } else {
                 [0..columns.len(), 0..rows.len()]
             };
@@ -124,13 +121,15 @@ impl Builder<'_> {
             let (starts, touching) = self.members_of_cells(in_columns, in_rows, group);
             let before = members.len();
             members.extend(touching);
-            for (i, corner) in corners.into_iter().enumerate() {
-                let (column, row) = (i % in_columns.len(), i / in_columns.len());
-                let cell = (window[1].start + row) * columns.len() + window[0].start + column;
-                if starts[i] == starts[i + 1] {
-                    inside[cell] |= self.rules[group.fill].fills(corner);
+            let cells = window[1]
+                .clone()
+                .flat_map(|row| window[0].clone().map(move |column| row * columns.len() + column));
+            let rule = self.rules[group.fill];
+            for ((cell, corner), range) in cells.zip(corners).zip(starts.windows(2)) {
+                if range[0] == range[1] {
+                    inside[cell] |= rule.fills(corner);
                 } else {
-                    let members = before + starts[i] as usize..before + starts[i + 1] as usize;
+                    let members = before + range[0] as usize..before + range[1] as usize;
                     listed.push(Listed { cell, fill: group.fill, corner, members });
                 }
             }
@@ -143,11 +142,17 @@ impl Builder<'_> {
             let cell = listed[0].cell;
             if !inside[cell] {
                 let bounds = [columns[cell % columns.len()], rows[cell / columns.len()]];
-                let groups: Vec<Group> = listed
-                    .iter()
-                    .map(|listed| self.group(listed, &members[listed.members.clone()], bounds))
-                    .collect();
-                self.words[first + cell] = self.list(&groups, bounds, is_domain);
+                let group =
+                    |listed: &Listed| self.group(listed, &members[listed.members.clone()], bounds);
+                // Nearly always one, which needs no list of groups.
+                let word = match listed {
+                    [only] => self.list(&[group(only)], bounds, is_domain),
+                    _ => {
+                        let groups: Vec<Group> = listed.iter().map(group).collect();
+                        self.list(&groups, bounds, is_domain)
+                    }
+                };
+                self.words[first + cell] = word;
             }
         }
     }
@@ -221,8 +226,11 @@ impl Builder<'_> {
             } else {
                 turned ^= self.rules[group.fill].fills(group.base);
             }
-            let words: Vec<u32> = group.references.iter().map(|one| self.word(*one)).collect();
-            push_list(self.words, words.into_iter());
+            for reference in &group.references {
+                let word = self.word(*reference);
+                self.words.push(word);
+            }
+            end_list(self.words);
         }
         list as u32 * 8 + LIST + u32::from(turned)
     }
@@ -277,7 +285,7 @@ impl Builder<'_> {
         for reference in &group.references {
             let member = self.member(*reference);
             let (piece, turn) = (&member.piece, member.turn());
-            let rows_below = |v: f32| rows.partition_point(|[bottom, _]| *bottom < v);
+            let rows_below = |v: f32| count_before(rows, v, |[bottom, _]| *bottom < v);
             match reference.beyond {
                 Beyond::Neither => {}
                 Beyond::Low => row_turns[rows_below(piece.low.y)] -= turn,
@@ -286,7 +294,7 @@ impl Builder<'_> {
             for row in rows_below(piece.low.y)..rows_below(piece.high.y) {
                 let v = rows[row][0];
                 let [least, most] = piece.u_range();
-                let surely = columns.partition_point(|[_, right]| *right < least);
+                let surely = count_before(columns, least, |[_, right]| *right < least);
                 turns[row * (width + 1)] += turn;
                 turns[row * (width + 1) + surely] -= turn;
                 let maybe = columns[surely..].iter().take_while(|[_, right]| *right < most);
