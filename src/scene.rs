@@ -7,6 +7,7 @@ mod model;
 mod obj;
 mod settings;
 mod surface;
+mod svg;
 mod tables;
 mod texture;
 mod write;

@@ -109,7 +109,7 @@ fn a_path_outside_of_the_domain_is_warned_of() {
     for (path, words) in [
         (
             "M2 2 h1 v1 z M-3 .5 h1 v1 z",
-            "freeform: warning: a.toml:3: the path lies wholly outside",
+            "freeform: warning: a.toml:3: this trim lies wholly outside",
         ),
         // In reach of the domain, and one subpath in it.
         ("M-1 .5 h1.5 v1 z", ""),
@@ -584,10 +584,8 @@ fn keys_are_listed_without_a_window() {
     let output = Folder::new().run(&["view", "--list-bindings"]);
     assert!(output.status.success());
     let list = text(&output.stdout);
-    assert!(
-        list.lines().any(|line| line.starts_with("W  ") && line.contains("wireframe")),
-        "{list}"
-    );
+    let is_named = |line: &str| line.starts_with("W  ") && line.contains("wireframe");
+    assert!(list.lines().any(is_named), "{list}");
 }
 
 #[cfg(not(feature = "viewer"))]

@@ -120,9 +120,9 @@ fn paths_keep_their_rules_and_lengths() {
     trims.add_svg_path("M.1 .1 L.9 .1 .5 .5 Z").unwrap();
     for rule in [FillRule::NonZero, FillRule::EvenOdd] {
         let many = (0..300).map(|i| format!("M.{i} .3 q.05 .05 .1 0 z")).collect::<String>();
-        trims.add_path(TrimPath::from_svg_path(&many, rule).unwrap()).unwrap();
+        trims.add_paths(vec![TrimPath::from_svg_path(&many, rule).unwrap()]).unwrap();
     }
-    trims.add_path(TrimPath::default()).unwrap();
+    trims.add_paths(vec![TrimPath::default()]).unwrap();
     trims.keep = Keep::Inside;
     let read = |scene: &Scene| {
         let text = scene.to_toml("a.toml".as_ref()).unwrap().text;
@@ -137,6 +137,29 @@ fn paths_keep_their_rules_and_lengths() {
     assert!(read(&scene) == written);
     scene.surfaces[0].trims.loops_on = false;
     assert!(read(&scene) == Trims { circles: written.circles, ..Trims::default() });
+}
+
+#[test]
+fn paths_of_a_document_are_named_as_long_as_they_are_its_own() {
+    let path = root().join("resources/scenes/gallery/badge.toml");
+    let mut scene = load(&path);
+    let paths = scene.surfaces[0].trims.paths.clone();
+    let written = |scene: &Scene| {
+        let text = scene.to_toml(&path).unwrap().text;
+        let read = Scene::from_toml(&text, &path).unwrap();
+        assert!(read.surfaces[0].trims == scene.surfaces[0].trims);
+        (text.matches("svg = ").count(), text.matches("fill_rule = ").count())
+    };
+    assert_eq!(written(&scene), (1, 0));
+    scene.surfaces[0].trims.paths.insert(0, paths[3].clone());
+    scene.surfaces[0].trims.paths.extend(paths.clone());
+    assert_eq!(written(&scene), (2, 1));
+    scene.surfaces[0].trims.paths.remove(1);
+    assert_eq!(written(&scene), (1, paths.len()));
+    // What could not be read again is not written.
+    scene.surfaces[0].trims.paths = vec![paths[0].clone(); 3_000];
+    let error = scene.to_toml(&path).unwrap_err().to_string();
+    assert!(error.contains("many paths with rules in an SVG file"), "{error}");
 }
 
 #[test]

@@ -339,7 +339,12 @@ fn the_gpu_decides_bit_for_bit_as_the_cpu_does_on_a_curved_patch() {
             let trims = match number {
                 0 => mixed_trims(),
                 1 => starburst(),
-                2..6 => random_paths(&mut random),
+                2 => {
+                    // Long lists with heads.
+                    let path = TrimPath { loops: starburst().loops, rule: FillRule::NonZero };
+                    Trims { paths: vec![path.clone(), path], ..Trims::default() }
+                }
+                3..6 => random_paths(&mut random),
                 _ => Trims { loops: random_loops(&mut random), ..Trims::default() },
             };
             let scene = curved(trims);

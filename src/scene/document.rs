@@ -96,6 +96,25 @@ fn chunks(text: &str) -> Vec<Range<usize>> {
     std::iter::zip(starts.iter().copied(), ends).map(|(start, end)| start..end).collect()
 }
 
+/// Checks the size of the text of a surface.
+///
+/// # Errors
+/// A text that is longer than what is read.
+pub(super) fn check_surface(text: &str) -> Result<()> {
+    let size = bytes_that_count(text);
+    if size > MAX_SURFACE_BYTES {
+        return Err(Error::invalid(
+            "text up to the next [[surface]]",
+            format!("{size} bytes, without those of long strings"),
+            format!(
+                "at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file, a long trim in a \
+                 path, many paths with rules in an SVG file"
+            ),
+        ));
+    }
+    Ok(())
+}
+
 /// The bytes of a TOML text, of its strings no more than the first ones.
 fn bytes_that_count(text: &str) -> usize {
     let mut rest = text;
@@ -164,17 +183,7 @@ impl Builder<'_> {
     }
 
     fn document(&self, chunk: &str) -> Result<Document> {
-        let size = bytes_that_count(chunk);
-        if size > MAX_SURFACE_BYTES {
-            return Err(self.at(
-                0,
-                format!(
-                    "{size} bytes up to the next [[surface]], without those of long strings; \
-                     expected at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt \
-                     file, a long trim in a path"
-                ),
-            ));
-        }
+        check_surface(chunk).map_err(|error| self.at(0, error))?;
         toml::from_str(chunk)
             .map_err(|error| self.at(error.span().map_or(0, |span| span.start), error.message()))
     }

@@ -11,15 +11,16 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use image::ImageFormat;
 
-use super::document::transform;
+use super::document::{check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
     Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
-    Tessellation, bpt, default_control_points, load_texture,
+    Tessellation, bpt, default_control_points, load_texture, svg,
 };
 use crate::camera::Lens;
 use crate::{
-    Camera, CreaseAngle, Error, FillRule, Keep, Mesh, Result, Segment, Smoothing, TrimLoop, Trims,
+    Camera, CreaseAngle, Error, FillRule, Keep, Mesh, Result, Segment, Smoothing, TrimLoop,
+    TrimPath, Trims,
 };
 
 /// Loops of more segments together are written as a path, whose length a scene does not limit.
@@ -39,12 +40,13 @@ impl Scene {
     /// left out. Files that stand beside it get its name and a number.
     ///
     /// # Errors
-    /// A picture that cannot be encoded.
+    /// A picture that cannot be encoded; more trims than the text of a surface can hold.
     pub fn to_toml(&self, path: &Path) -> Result<SceneText> {
         let mut writer = Writer {
             path,
             sources: &self.files,
             pictures: Vec::new(),
+            documents: None,
             out: SceneText { text: String::new(), files: Vec::new() },
         };
         if let Some(camera) = self.camera {
@@ -68,6 +70,8 @@ struct Writer<'a> {
     sources: &'a [PathBuf],
     /// Pictures that have a name already.
     pictures: Vec<(Arc<Image>, String)>,
+    /// The SVG files among the sources and what they fill; none before it is asked.
+    documents: Option<Vec<(PathBuf, Vec<TrimPath>)>>,
     out: SceneText,
 }
 
@@ -142,6 +146,7 @@ impl Writer<'_> {
     }
 
     fn surface(&mut self, surface: &Surface) -> Result<()> {
+        let start = self.out.text.len();
         self.header("[[surface]]");
         let points = surface.control_points();
         if points == default_control_points() {
@@ -159,7 +164,7 @@ impl Writer<'_> {
             self.line("cull", "\"back\"");
         }
         self.trims(&surface.trims);
-        Ok(())
+        check_surface(&self.out.text[start..])
     }
 
     /// The name of a `.bpt` file with the patches of a surface.
@@ -256,7 +261,7 @@ impl Writer<'_> {
             return Ok(name.clone());
         }
         let is_picture = |source: &PathBuf| {
-            !matches!(extension(source).as_str(), "toml" | "bpt" | "obj")
+            !matches!(extension(source).as_str(), "toml" | "bpt" | "obj" | "svg")
                 && load_texture(source).is_ok_and(|read| read == **image)
         };
         let name = match self.sources.iter().find(|source| is_picture(source)) {
@@ -296,9 +301,7 @@ impl Writer<'_> {
     fn trims(&mut self, trims: &Trims) {
         let on = |on: bool| if on { usize::MAX } else { 0 };
         let loops = &trims.loops[..trims.loops.len().min(on(trims.loops_on))];
-        let paths = &trims.paths[..trims.paths.len().min(on(trims.loops_on))];
-        let paths = paths.iter().filter(|path| !path.loops.is_empty());
-        if trims.keep == Keep::Inside && (!loops.is_empty() || paths.clone().next().is_some()) {
+        if trims.keep == Keep::Inside && trims.loops_on && trims.has_loops() {
             self.line("keep", "\"inside\"");
         }
         for circle in trims.circles.iter().take(on(trims.circles_on)) {
@@ -324,14 +327,39 @@ impl Writer<'_> {
                 self.trim("loop", format_args!("[\n{}]", segments.collect::<String>()));
             }
         }
-        for path in paths {
-            self.trim("path", path_text(&path.loops));
-            let rule = match path.rule {
+        self.paths(&trims.paths[..trims.paths.len().min(on(trims.loops_on))]);
+    }
+
+    /// Paths as the documents that they are of, as long as these fill the same; else each by itself.
+    fn paths(&mut self, mut paths: &[TrimPath]) {
+        if paths.is_empty() {
+            return;
+        }
+        let sources = self.sources;
+        let documents = self.documents.take().unwrap_or_else(|| {
+            let documents = sources.iter().filter(|source| extension(source) == "svg");
+            documents.filter_map(|file| Some((file.clone(), svg::load(file).ok()?.0))).collect()
+        });
+        while let Some((first, rest)) = paths.split_first() {
+            let document = documents.iter().find(|(_, filled)| paths.starts_with(filled));
+            if let Some((file, filled)) = document {
+                let name = self.name(file);
+                self.trim("svg", name);
+                paths = &paths[filled.len()..];
+                continue;
+            }
+            paths = rest;
+            if first.loops.is_empty() {
+                continue;
+            }
+            self.trim("path", path_text(&first.loops));
+            let rule = match first.rule {
                 FillRule::EvenOdd => "evenodd",
                 FillRule::NonZero => "nonzero",
             };
             self.line("fill_rule", format_args!("\"{rule}\""));
         }
+        self.documents = Some(documents);
     }
 
     fn trim(&mut self, key: &str, value: impl std::fmt::Display) {

@@ -17,7 +17,7 @@ pub enum FillRule {
 }
 
 impl FillRule {
-    /// Whether a place is inside that loops go around so often: see [`winding_number`].
+    /// Whether a place with this winding number ([`winding_number`]) is inside.
     #[must_use]
     pub const fn fills(self, winding_number: i32) -> bool {
         match self {
@@ -53,6 +53,17 @@ pub(crate) struct Fill<'a> {
     pub(crate) rule: FillRule,
 }
 
+/// Checks the number of segments of paths, with so many loops and segments before them.
+pub(super) fn check_paths(paths: &[TrimPath], loops: usize, segments: usize) -> Result<()> {
+    let (mut loops, mut segments) = (loops, segments);
+    for path in paths {
+        super::check_counts(&path.loops, loops, segments)?;
+        loops += path.loops.len();
+        segments += path.loops.iter().map(|one| one.segments.len()).sum::<usize>();
+    }
+    Ok(())
+}
+
 impl Trims {
     /// What is filled: the loops together, then each path for itself. What any of them holds is inside.
     pub(crate) fn fills(&self) -> impl Iterator<Item = Fill<'_>> + Clone {
@@ -78,15 +89,14 @@ impl Trims {
         self.fills().any(|fill| fill.rule.fills(winding_number(fill.loops, uv)))
     }
 
-    /// Adds a path.
+    /// Adds paths.
     ///
     /// # Errors
     /// More than 1,000,000 segments in all loops together, by the numbers of loop and segment; the
     /// trims stay as they were.
-    pub fn add_path(&mut self, path: TrimPath) -> Result<()> {
-        let (number, segments) = (self.all_loops().count(), self.segment_count());
-        super::check_counts(&path.loops, number, segments)?;
-        self.paths.push(path);
+    pub fn add_paths(&mut self, paths: Vec<TrimPath>) -> Result<()> {
+        check_paths(&paths, self.all_loops().count(), self.segment_count())?;
+        self.paths.extend(paths);
         Ok(())
     }
 }

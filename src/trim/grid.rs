@@ -30,9 +30,9 @@
 //! A list is one of references: an odd number of crossings cuts. Where paths have rules of their own
 //! ([`Grid::has_rules`]) it is several, one for each path that has pieces in the cell, each behind a
 //! head: the winding number without its pieces · 4, plus 1 for even-odd, plus 2 for the last head of
-//! the cell. A sample inside of one is cut.
+//! the cell. A sample that one of the paths holds is inside; the cell's word says whether inside is cut.
 //!
-//! A reference is number of the piece, counted from the first word · 32, plus 1 if the piece's lower
+//! A reference is 32 times the number of the piece (the words before it / 8), plus 1 if the piece's lower
 //! end lies right of the cell, 2 if its upper one does, plus 4 for the last of a list, plus 8 if the
 //! piece bulges to the left of its chord, plus 16 if its loop runs down it.
 

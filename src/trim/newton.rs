@@ -188,7 +188,7 @@ impl NewtonTrims {
     /// # Errors
     /// As [`NewtonTrims::from_loops`], and loops whose inside is kept, and paths with rules of their own.
     pub fn of(trims: &Trims) -> Result<Self> {
-        if !trims.paths.is_empty() {
+        if trims.paths.iter().any(|path| !path.loops.is_empty()) {
             return Err(Error::invalid(
                 "a path",
                 "filled by a rule of its own",

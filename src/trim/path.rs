@@ -46,7 +46,7 @@ impl TrimLoop {
 fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
     let mut reader = Reader { first, sizes: sizes(data)?, ..Reader::default() };
     for segment in PathParser::from(data) {
-        reader.take(segment.map_err(|error| unreadable(data, &error))?)?;
+        reader.take(segment.map_err(|error| unreadable_path(data, &error))?)?;
     }
     let loops = reader.finish()?;
     if loops.is_empty() {
@@ -70,7 +70,7 @@ fn sizes(data: &str) -> Result<Vec<usize>> {
     let mut sizes = Vec::new();
     let mut open = false;
     for segment in PathParser::from(data) {
-        let segment = segment.map_err(|error| unreadable(data, &error))?;
+        let segment = segment.map_err(|error| unreadable_path(data, &error))?;
         if !open || matches!(segment, PathSegment::MoveTo { .. }) {
             sizes.push(0);
         }
@@ -82,7 +82,8 @@ fn sizes(data: &str) -> Result<Vec<usize>> {
     Ok(sizes)
 }
 
-fn unreadable(data: &str, error: &svgtypes::Error) -> Error {
+/// The error of text that is no path data.
+pub(super) fn unreadable_path(data: &str, error: &svgtypes::Error) -> Error {
     const SHOWN: usize = 24;
     let start: String = data.trim().chars().take(SHOWN).collect();
     let more = if data.trim().chars().nth(SHOWN).is_some() { "…" } else { "" };

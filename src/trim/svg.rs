@@ -3,27 +3,36 @@
 //! usvg reads them: styles, references, shapes and transforms are resolved there. It keeps numbers in
 //! `f32`, and its arcs and circles are cubics that are off by up to 2.8·10⁻⁴ of the radius.
 
+mod document;
+
 use std::collections::BTreeSet;
 
 use glam::{DVec2, dvec2};
 use svgtypes::PathSegment;
-use usvg::roxmltree::{Document, ParsingOptions};
 use usvg::tiny_skia_path::{PathSegment as UsvgSegment, Point};
-use usvg::{Group, ImageHrefResolver, Node, Options, Path, Transform, Tree};
+use usvg::{Group, Node, Options, Path, Transform, Tree};
 
+use super::fill::check_paths;
 use super::path::loops_of;
 use super::{FillRule, TrimPath};
 use crate::{Error, Result};
+use document::{ReducedDocument, STYLE};
+
+/// Elements may be 1,024 deep, for which the stack of a thread can be too small.
+const STACK_BYTES: usize = 64 << 20;
 
 impl TrimPath {
-    /// What an SVG document fills, with its transforms and its own rules. Its picture (the view box) is
-    /// fitted into the domain: the longer side from 0 to 1, the shorter one in the middle; upwards is
-    /// towards v = 1.
+    /// The filled shapes of an SVG document, with its transforms and fill rules.
     ///
-    /// Strokes, text, pictures, clips, masks and filters are not taken.
+    /// The picture of the document is fitted into the domain: its longer side goes from 0 to 1, the
+    /// shorter one lies in the middle, and its top is towards v = 1. Its size is `width` by `height`, or
+    /// else that of the view box, or else it ends where the shapes end.
+    ///
+    /// Strokes, markers, text, pictures, clips, masks and filters are not taken.
     ///
     /// # Errors
-    /// Text that is no SVG document; one that fills nothing; more segments than a surface may have.
+    /// Text that is no SVG document, path data that is none; a document that fills nothing; more than
+    /// 1,000,000 segments in all paths together.
     pub fn from_svg(text: &str) -> Result<Vec<Self>> {
         read(text).map(|(paths, _)| paths)
     }
@@ -31,65 +40,53 @@ impl TrimPath {
 
 /// The paths, and the names of what was not taken.
 pub(crate) fn read(text: &str) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
-    let options = Options {
-        // Nothing but the document itself is read.
-        image_href_resolver: ImageHrefResolver {
-            resolve_data: Box::new(|_, _, _| None),
-            resolve_string: Box::new(|_, _| None),
-        },
-        ..Options::default()
-    };
-    let unreadable = |error: &dyn std::fmt::Display| {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
+        match thread.spawn_scoped(scope, || read_on_this_stack(text)).map(|thread| thread.join()) {
+            Ok(Ok(read)) => read,
+            Ok(Err(panic)) => std::panic::resume_unwind(panic),
+            Err(error) => {
+                Err(Error::invalid("SVG document", "not read", format!("a thread ({error})")))
+            }
+        }
+    })
+}
+
+fn read_on_this_stack(text: &str) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
+    let ReducedDocument { text, removed } = ReducedDocument::new(text)?;
+    let options = Options { style_sheet: Some(STYLE.to_owned()), ..Options::default() };
+    let tree = Tree::from_str(&text, &options).map_err(|error| {
         Error::invalid("SVG document", "not readable", format!("valid SVG ({error})"))
-    };
-    let xml_options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
-    let xml =
-        Document::parse_with_options(text, xml_options).map_err(|error| unreadable(&error))?;
-    let tree = Tree::from_xmltree(&xml, &options).map_err(|error| unreadable(&error))?;
+    })?;
     let size = dvec2(tree.size().width().into(), tree.size().height().into());
-    let mut reader = Reader { size, paths: Vec::new(), ignored: BTreeSet::new() };
-    // usvg leaves text out without a word.
-    if xml.descendants().any(|node| node.has_tag_name((SVG_NAMESPACE, "text"))) {
-        reader.ignored.insert("text");
-    }
+    let mut reader = Reader { size, paths: Vec::new(), ignored: removed };
     reader.group(tree.root())?;
     if reader.paths.is_empty() {
         return Err(Error::invalid("SVG document", "without a filled shape", "at least one"));
     }
+    check_paths(&reader.paths, 0, 0)?;
     Ok((reader.paths, reader.ignored.into_iter().collect()))
 }
-
-const SVG_NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
 struct Reader {
     /// Of the picture, in its own unit.
     size: DVec2,
     paths: Vec<TrimPath>,
+    /// Names of what is not taken.
     ignored: BTreeSet<&'static str>,
 }
 
 impl Reader {
     fn group(&mut self, group: &Group) -> Result<()> {
-        for (is_there, name) in [
-            (group.clip_path().is_some(), "clips"),
-            (group.mask().is_some(), "masks"),
-            (!group.filters().is_empty(), "filters"),
-        ] {
-            if is_there {
-                self.ignored.insert(name);
-            }
+        if group.opacity().get() == 0.0 {
+            return Ok(());
         }
         for node in group.children() {
             match node {
                 Node::Group(group) => self.group(group)?,
                 Node::Path(path) if path.is_visible() => self.path(path)?,
-                Node::Path(_) => {}
-                Node::Image(_) => {
-                    self.ignored.insert("pictures");
-                }
-                Node::Text(_) => {
-                    self.ignored.insert("text");
-                }
+                // The reduced document has neither pictures nor text.
+                Node::Path(_) | Node::Image(_) | Node::Text(_) => {}
             }
         }
         Ok(())
@@ -208,12 +205,67 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_taken_is_named() {
-        let document = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 4">
-            <clipPath id="c"><rect width="1" height="1"/></clipPath>
-            <text>word</text><rect width="3" height="3" stroke="red" clip-path="url(#c)"/></svg>"#;
-        let (paths, ignored) = read(document).unwrap();
-        assert_eq!((paths.len(), ignored), (1, vec!["clips", "strokes", "text"]));
+    fn what_is_not_taken_is_named_and_what_is_filled_stays() {
+        let document = r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 4">
+            <defs><clipPath id="c"><rect width="1" height="1"/></clipPath><mask id="m"/>
+            <marker id="k"><rect width="9" height="9"/></marker><text>unseen</text>
+            <pattern id="p" width="1" height="1"><rect width="1" height="1" fill="url(#p)"/></pattern></defs>
+            <text>word</text><rect width="3" height="2" stroke="red" clip-path="url(#c)" mask="url(#none)"/>
+            <g style="mask: url(#m) !important; marker-start: url(#k)"><path fill="url(#p)" d="M0 3H2V4H0"/></g>
+            <g opacity="0"><rect width="4" height="4"/></g>
+            <svg width="1" height="1"><rect x="3" width="1" height="1"/></svg></svg>"##;
+        assert_eq!(picture::<4>(document), ["####", "###.", "....", "##.."]);
+        let (_, ignored) = read(document).unwrap();
+        assert_eq!(ignored, ["clips", "markers", "masks", "strokes", "text"]);
+    }
+
+    #[test]
+    fn the_size_of_the_picture_is_what_is_fitted() {
+        let wide = r#"<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20" viewBox="0 0 2 2">
+            <rect width="2" height="2"/></svg>"#;
+        assert_eq!(picture::<4>(wide), ["....", ".##.", ".##.", "...."]);
+        let sizeless = r#"<svg xmlns="http://www.w3.org/2000/svg">
+            <rect x="2" width="2" height="2"/></svg>"#;
+        assert_eq!(picture::<4>(sizeless), ["....", "..##", "..##", "...."]);
+    }
+
+    #[test]
+    fn no_reference_is_followed_without_end() {
+        let document = |defs: &str| {
+            format!(
+                r##"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 4 4"><defs>{defs}</defs>
+                <rect width="2" height="4" mask="url(#i0)" clip-path="url(#i0)"/></svg>"##
+            )
+        };
+        let half = vec!["##.."; 4];
+        for element in ["mask", "clipPath", "pattern", "linearGradient", "filter"] {
+            let link = |i: usize| {
+                let next = i + 1;
+                format!(
+                    r##"<{element} id="i{i}" href="#i{next}" mask="url(#i{next})" clip-path="url(#i{next})"><rect
+                    width="1" height="1" fill="url(#i{next})" mask="url(#i{next})"/></{element}>"##
+                )
+            };
+            let chain: String = (0..5_000).map(link).collect();
+            assert_eq!(picture::<4>(&document(&chain)), half, "{element}");
+            let filled = document(&chain)
+                .replace("<rect width=\"2\"", "<rect fill=\"url(#i0)\" width=\"2\"");
+            let is_paint = matches!(element, "pattern" | "linearGradient");
+            assert_eq!(TrimPath::from_svg(&filled).is_ok(), is_paint, "{element}");
+        }
+        // Where references count, they end.
+        let uses: String = (0..3_000)
+            .map(|i| format!(r##"<g id="i{i}"><use href="#i{}"/></g>"##, i + 1))
+            .collect();
+        let _ = TrimPath::from_svg(&document(&format!(r##"{uses}<use href="#i0"/>"##)));
+        let doubled: String = (0..40)
+            .map(|i| format!(r##"<g id="i{i}"><use href="#i{0}"/><use href="#i{0}"/></g>"##, i + 1))
+            .collect();
+        let deep =
+            format!("{}<rect width='2' height='4'/>{}", "<g>".repeat(1_000), "</g>".repeat(1_000));
+        assert!(TrimPath::from_svg(&document(&deep)).is_ok());
+        let error = TrimPath::from_svg(&document(&doubled)).unwrap_err().to_string();
+        assert!(error.contains("valid SVG"), "{error}");
     }
 
     #[test]
@@ -227,6 +279,10 @@ mod tests {
             (r#"<svg xmlns="http://www.w3.org/2000/svg" width="-1" height="1"/>"#, "valid SVG"),
             (r#"<svg xmlns="http://www.w3.org/2000/svg"/>"#, "without a filled shape"),
             (r#"<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0"/></svg>"#, "filled shape"),
+            (
+                &huge.replace("1e30", "foo"),
+                "line 2: path is \"M0 0HfooV1Z\"; expected SVG path data",
+            ),
             (huge, "path 1: loop 0: segment 0: a point"),
         ] {
             let text = TrimPath::from_svg(document).unwrap_err().to_string();

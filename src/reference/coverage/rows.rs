@@ -11,8 +11,8 @@ const MOST_ENTRIES: usize = 8_000_000;
 /// The loops of a surface, their curves sorted into rows of the domain.
 #[derive(Debug)]
 pub(super) struct TrimRows<'a> {
-    /// For each row the curves that may cross it, each with the number of the rule that its loop is
-    /// filled by, in the order of these. The first and the last row reach to infinity.
+    /// For each row the curves that may cross it, each with the index of its rule, in ascending order.
+    /// The first and the last row reach to infinity.
     rows: Vec<Vec<(usize, &'a Segment)>>,
     /// The rules of the loops and of each path.
     rules: Vec<FillRule>,

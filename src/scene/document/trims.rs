@@ -5,6 +5,7 @@ use toml::Spanned;
 
 use super::{Builder, KeepName, line_of};
 use crate::scene::tables::{CircleTable, EllipseTable, IntervalTable, TrimTable};
+use crate::scene::{svg, unreadable};
 use crate::{
     Circle, Ellipse, Error, Interval, Keep, NewtonTrims, Result, Segment, TrimLoop, TrimPath, Trims,
 };
@@ -42,7 +43,7 @@ impl Builder<'_> {
                 .map_err(|error| self.at(start, error))?;
             let new_paths = trims.paths[paths..].iter().flat_map(|path| &path.loops);
             if is_outside(trims.loops[loops..].iter().chain(new_paths)) {
-                self.warn(place, "the path lies wholly outside of the domain, [0, 1] × [0, 1]");
+                self.warn(place, "this trim lies wholly outside of the domain, [0, 1] × [0, 1]");
             }
             places.loops.resize(trims.loops.len(), place);
             places.paths.resize(trims.paths.len(), place);
@@ -72,13 +73,15 @@ impl Builder<'_> {
             }
             (None, None, None, None, Some(data), None) => match fill_rule {
                 None => trims.add_svg_path(&data)?,
-                Some(rule) => trims.add_path(TrimPath::from_svg_path(&data, rule.into())?)?,
+                Some(rule) => {
+                    trims.add_paths(vec![TrimPath::from_svg_path(&data, rule.into())?])?
+                }
             },
             (None, None, None, None, None, Some(file)) => self.add_svg(&file, trims, place)?,
             _ => {
                 return Err(Error::invalid(
                     "trim",
-                    "without one kind",
+                    "of no kind, or of several",
                     "one of circle, interval, ellipse, loop, path, svg",
                 ));
             }
@@ -86,29 +89,16 @@ impl Builder<'_> {
         Ok(())
     }
 
-    #[cfg(feature = "svg")]
     fn add_svg(&mut self, file: &str, trims: &mut Trims, place: usize) -> Result<()> {
         let path = self.beside_scene(file);
-        let unreadable = |error| crate::scene::unreadable(&path, error);
-        let text = crate::scene::read_text(&path)?;
-        let (paths, ignored) = crate::trim::read_svg(&text).map_err(unreadable)?;
-        for trim_path in paths {
-            trims.add_path(trim_path).map_err(unreadable)?;
-        }
+        let (paths, ignored) = svg::load(&path)?;
+        trims.add_paths(paths).map_err(|error| unreadable(&path, error))?;
         if !ignored.is_empty() {
-            let ignored = ignored.join(", ");
-            self.warn(
-                place,
-                &format!("of {} only what is filled is taken, not its {ignored}", path.display()),
-            );
+            let (path, ignored) = (path.display(), ignored.join(", "));
+            self.warn(place, &format!("of {path} only what is filled is taken, not its {ignored}"));
         }
         self.files.push(path);
         Ok(())
-    }
-
-    #[cfg(not(feature = "svg"))]
-    fn add_svg(&mut self, _: &str, _: &mut Trims, _: usize) -> Result<()> {
-        Err(Error::invalid("svg", "of no use in this build", "a build with the feature svg"))
     }
 
     /// A warning with the line of a byte of the text.

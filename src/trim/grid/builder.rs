@@ -110,8 +110,8 @@ impl Builder<'_> {
         let mut listed: Vec<Listed> = Vec::new();
         let mut members: Vec<u32> = Vec::new();
         for group in groups {
-            // A whole loop has no inside beyond the cells that its pieces touch.
-            let window = if is_domain {
+            // Whole loops have no inside beyond the cells that they touch.
+            let window = if is_domain || self.has_whole_loops(group) {
                 self.touched(columns, rows, group)
             } else {
                 [0..columns.len(), 0..rows.len()]
@@ -263,6 +263,21 @@ impl Builder<'_> {
             side /= 2;
         }
         Lattice::new(least, most, side)
+    }
+
+    /// Whether every row that the pieces of a group reach is left as often as it is entered.
+    fn has_whole_loops(&self, group: &Group) -> bool {
+        if group.base != 0 || group.references.iter().any(|one| one.beyond != Beyond::Neither) {
+            return false;
+        }
+        let ends = group.references.iter().flat_map(|reference| {
+            let member = self.member(*reference);
+            [(member.piece.low.y, member.turn()), (member.piece.high.y, -member.turn())]
+        });
+        let mut ends: Vec<(f32, i32)> = ends.collect();
+        ends.sort_unstable_by(|(a, _), (b, _)| a.total_cmp(b));
+        ends.chunk_by(|(a, _), (b, _)| a == b)
+            .all(|ends| ends.iter().map(|(_, turn)| turn).sum::<i32>() == 0)
     }
 
     /// The columns and rows that the pieces of a group touch together.

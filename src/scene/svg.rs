@@ -1,0 +1,17 @@
+//! SVG documents that scenes name.
+
+use std::path::Path;
+
+use crate::{Result, TrimPath};
+
+/// The paths of a document, and the names of what was not taken.
+#[cfg(feature = "svg")]
+pub(super) fn load(path: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
+    let text = super::file::read_text(path)?;
+    crate::trim::read_svg(&text).map_err(|error| super::file::unreadable(path, error))
+}
+
+#[cfg(not(feature = "svg"))]
+pub(super) fn load(_: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
+    Err(crate::Error::invalid("svg", "of no use in this build", "a build with the feature svg"))
+}

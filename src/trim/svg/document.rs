@@ -1,0 +1,162 @@
+//! What usvg is given of an SVG document: nothing that it would follow for long and that is not filled.
+//!
+//! usvg follows references between masks, clips, filters, patterns and markers as deep as they go, which
+//! a small file can make endless. Those elements are taken out, and paints become plain colours, before
+//! usvg reads the document.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::ops::Range;
+
+use svgtypes::PathParser;
+use usvg::roxmltree::{Document, Node, ParsingOptions};
+
+use crate::trim::path::unreadable_path;
+use crate::{Error, Result};
+
+const NAMESPACE: &str = "http://www.w3.org/2000/svg";
+
+/// Wins over what the document says, so that elements do not vanish with what they refer to.
+pub(super) const STYLE: &str = "* { clip-path: none !important; mask: none !important; \
+    filter: none !important; marker: none !important; overflow: visible !important }";
+
+/// Elements that are taken out, and their names in warnings: those that others refer to, and those that
+/// are drawn where they stand.
+const REFERRED: [(&str, &str); 4] =
+    [("clipPath", "clips"), ("filter", "filters"), ("marker", "markers"), ("mask", "masks")];
+const DRAWN: [(&str, &str); 3] =
+    [("foreignObject", "foreign objects"), ("image", "pictures"), ("text", "text")];
+/// Elements that become a plain colour.
+const PAINTS: [&str; 3] = ["linearGradient", "pattern", "radialGradient"];
+
+/// The most bytes that the entities of a document may become.
+const MAX_ENTITY_BYTES: usize = 64 << 20;
+const MAX_NODES: u32 = 2_000_000;
+
+/// A document without what usvg must not follow.
+pub(super) struct ReducedDocument {
+    pub(super) text: String,
+    /// Names of what was removed.
+    pub(super) removed: BTreeSet<&'static str>,
+}
+
+impl ReducedDocument {
+    /// # Errors
+    /// Text that is no XML, or too large once its entities are replaced; path data that is none, with its
+    /// line.
+    pub(super) fn new(text: &str) -> Result<Self> {
+        let bytes = entity_bytes(text);
+        if bytes > MAX_ENTITY_BYTES {
+            let expected = format!("entities of at most {MAX_ENTITY_BYTES} bytes");
+            return Err(Error::invalid("SVG document", "larger than it looks", expected));
+        }
+        let options =
+            ParsingOptions { allow_dtd: true, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+        let document = Document::parse_with_options(text, options).map_err(|error| {
+            Error::invalid("SVG document", "not readable", format!("valid SVG ({error})"))
+        })?;
+        let mut removed = BTreeSet::new();
+        let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+        for node in document.descendants().filter(Node::is_element) {
+            let name = node.tag_name();
+            if name.namespace() != Some(NAMESPACE) {
+                continue;
+            }
+            let is = |(element, _): &&(&str, &str)| *element == name.name();
+            if let Some((_, called)) = REFERRED.iter().find(is) {
+                removed.insert(*called);
+                edits.push((node.range(), String::new()));
+            } else if let Some((_, called)) = DRAWN.iter().find(is) {
+                if !node.ancestors().any(|node| node.has_tag_name((NAMESPACE, "defs"))) {
+                    removed.insert(*called);
+                }
+                edits.push((node.range(), String::new()));
+            } else if PAINTS.contains(&name.name()) {
+                edits.push((node.range(), plain_paint(node.attribute("id").unwrap_or_default())));
+            } else if let ("path", Some(data)) = (name.name(), node.attribute("d")) {
+                check_path(data).map_err(|error| {
+                    error.within(format!("line {}", document.text_pos_at(node.range().start).row))
+                })?;
+            }
+        }
+        Ok(Self { text: edited(text, edits), removed })
+    }
+}
+
+/// A paint that any shape is filled with.
+fn plain_paint(id: &str) -> String {
+    let mut escaped = String::new();
+    for char in id.chars() {
+        // Writing to a string cannot fail.
+        let _ = write!(escaped, "&#{};", u32::from(char));
+    }
+    format!("<linearGradient xmlns='{NAMESPACE}' id='{escaped}'><stop/></linearGradient>")
+}
+
+fn check_path(data: &str) -> Result<()> {
+    PathParser::from(data)
+        .try_for_each(|segment| segment.map(|_| ()))
+        .map_err(|error| unreadable_path(data, &error))
+}
+
+/// The text with ranges replaced; what lies in a range that is replaced goes with it.
+fn edited(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
+    edits.sort_by_key(|(range, _)| (range.start, std::cmp::Reverse(range.end)));
+    let mut result = String::with_capacity(text.len());
+    let mut at = 0;
+    for (range, replacement) in edits {
+        if range.start >= at {
+            result.push_str(&text[at..range.start]);
+            result.push_str(&replacement);
+            at = range.end;
+        }
+    }
+    result.push_str(&text[at..]);
+    result
+}
+
+/// No less than how many bytes the entities of a document become: each reference may become all that is
+/// declared, and the XML reader follows 255 more references inside of it.
+fn entity_bytes(text: &str) -> usize {
+    let Some(start) = text.find("<!ENTITY") else { return 0 };
+    let end = text[start..].find("]>").map_or(text.len(), |length| start + length);
+    let (declared, body) = (&text[start..end], &text[end..]);
+    let nested = if declared.contains('&') { 256 } else { 1 };
+    body.matches('&').count().saturating_mul(declared.len()).saturating_mul(nested)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_is_not_filled_is_taken_out() {
+        let text = "<svg xmlns='http://www.w3.org/2000/svg' xmlns:o='other'><defs>\
+            <mask id='a'><text>unseen</text></mask><pattern id='p&lt;'><path d='M0 0'/></pattern>\
+            </defs><o:mask/><rect fill='url(#p)'/><image/><text/></svg>";
+        let ReducedDocument { text, removed } = ReducedDocument::new(text).unwrap();
+        assert_eq!(Vec::from_iter(removed), ["masks", "pictures", "text"]);
+        let paint = plain_paint("p<");
+        assert_eq!(
+            text,
+            format!(
+                "<svg xmlns='http://www.w3.org/2000/svg' xmlns:o='other'><defs>{paint}</defs>\
+                 <o:mask/><rect fill='url(#p)'/></svg>"
+            )
+        );
+        assert_eq!(Document::parse(&paint).unwrap().root_element().attribute("id"), Some("p<"));
+    }
+
+    #[test]
+    fn entities_are_bounded_before_they_are_replaced() {
+        let document = |value: &str, body: &str| {
+            format!("<!DOCTYPE svg [<!ENTITY e '{value}'>]><svg xmlns='{NAMESPACE}'>{body}</svg>")
+        };
+        assert!(ReducedDocument::new(&document("word", "&e;&e;")).is_ok());
+        let large = document(&"x".repeat(100_000), &"&e;".repeat(1_000));
+        let error = ReducedDocument::new(&large).err().unwrap().to_string();
+        assert!(error.contains("larger than it looks"), "{error}");
+        let nested = document(&"&f;".repeat(200), &"&e;".repeat(1_000));
+        assert!(entity_bytes(&nested) > MAX_ENTITY_BYTES);
+    }
+}
