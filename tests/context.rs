@@ -6,7 +6,10 @@ mod common;
 use std::time::Duration;
 
 use freeform_surface::gpu::{Framebuffer, Timer};
-use freeform_surface::{Backend, Error, Headless, PreparedScene, Renderer, Scene};
+use freeform_surface::{
+    Backend, Error, Frame, Headless, Method, PreparedScene, Renderer, Scene, TessLevel,
+    Tessellation,
+};
 use glam::UVec2;
 use glow::HasContext as _;
 
@@ -38,6 +41,36 @@ fn a_mistake_in_opengl_reaches_the_debug_log() {
         let errors = context.debug_log().take_errors();
         assert!(!errors.is_empty() && errors[0].contains("GL_INVALID_ENUM"), "{errors:?}");
         assert!(context.debug_log().take_errors().is_empty());
+    }
+}
+
+#[test]
+fn a_scene_can_be_prepared_for_every_method_and_switched_between_them() {
+    let size = UVec2::new(96, 64);
+    let level = Tessellation::Level(TessLevel::new(7).unwrap());
+    let mut scenes = Vec::new();
+    for method in [Method::Thesis, Method::Exact, Method::Thesis, Method::Exact] {
+        for tessellation in [level, Tessellation::default()] {
+            let mut scene = Scene::listing16();
+            scene.settings.method = method;
+            scene.settings.tessellation = tessellation;
+            scenes.push(scene);
+        }
+    }
+    for backend in backends() {
+        let expected: Vec<_> = scenes.iter().map(|scene| render(scene, size, backend)).collect();
+        let context = Checked::new(backend);
+        let target = Framebuffer::new(context.gl(), size.x, size.y).unwrap();
+        let mut renderer = Renderer::new(context.gl()).unwrap();
+        let mut prepared = PreparedScene::new(&renderer, &scenes[0]).unwrap();
+        target.bind();
+        for (scene, expected) in scenes.iter().zip(expected) {
+            let projection = scene.projection(size.x, size.y);
+            let frame = Frame { projection, settings: scene.settings };
+            prepared.prepare(&renderer, &frame).unwrap();
+            prepared.draw(&mut renderer, &frame).unwrap();
+            assert!(target.read() == expected, "{:?}", scene.settings);
+        }
     }
 }
 

@@ -9,7 +9,7 @@ use super::{Drawing, Frame, Renderer};
 use crate::gpu::{Target, Texture};
 use crate::surface::{Centering, ControlPoints};
 use crate::tessellation::{EdgeSource, EdgeTable};
-use crate::{FrameFigures, FreeFormSurface, Paint, Result, Scene, Surface};
+use crate::{FrameFigures, FreeFormSurface, Method, Paint, Result, Scene, Surface};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
 #[derive(Debug)]
@@ -100,15 +100,23 @@ impl PreparedScene {
         &mut self.surfaces
     }
 
-    /// Builds and uploads what a frame of the exact method needs in the present viewport, unless that is
-    /// there already. Drawing does this by itself; call it to choose when.
+    /// Builds and uploads what a frame needs in the present viewport, unless that is there already. Drawing
+    /// does this by itself; call it to choose when.
     ///
     /// # Errors
-    /// No memory.
+    /// No memory, or loops that the frame's method cannot cut.
     pub fn prepare(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
-        let target = Target::bound(renderer.gl());
-        let (gl, size) = (renderer.gl(), renderer.draw_size());
-        self.drawing.update(gl, &mut self.surfaces, frame, target.size, size)?;
+        let gl = renderer.gl();
+        match frame.settings.method {
+            Method::Thesis => self
+                .surfaces
+                .iter_mut()
+                .try_for_each(|surface| surface.upload_trims(gl, &frame.settings))?,
+            Method::Exact => {
+                let (size, draw_size) = (Target::bound(gl).size, renderer.draw_size());
+                self.drawing.update(gl, &mut self.surfaces, frame, size, draw_size)?;
+            }
+        }
         self.update_meshes(renderer, frame)
     }
 
