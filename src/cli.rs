@@ -3,14 +3,11 @@
 mod check;
 mod exr;
 mod info;
-mod input;
 mod measure;
-mod output;
 mod render;
 mod report;
 mod smooth;
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -21,13 +18,12 @@ use freeform_surface::{
 
 use exr::AovFile;
 use indicatif::ProgressBar;
-pub(crate) use input::LoadArguments;
-pub(crate) use output::Output;
-#[cfg(feature = "viewer")]
-pub(crate) use output::replace;
 use render::Job;
 use report::{ReportFormat, Topic};
 
+use crate::io::input::{self, LoadArguments, crease_angle};
+use crate::io::output::Output;
+use crate::io::say;
 use crate::view::{self, ViewArguments};
 
 /// Renders trimmed Bézier surfaces with OpenGL tessellation, without a display.
@@ -326,30 +322,11 @@ fn alpha(text: &str) -> Result<Alpha, String> {
         .ok_or_else(|| "expected a number from 0 to 1".into())
 }
 
-fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
-    text.parse()
-        .ok()
-        .and_then(|degrees| CreaseAngle::new(degrees).ok())
-        .ok_or_else(|| "expected a number of degrees from 0 to 180".into())
-}
-
 fn level(text: &str) -> Result<TessLevel, String> {
     text.parse()
         .ok()
         .and_then(|level| TessLevel::new(level).ok())
         .ok_or_else(|| "expected a whole number from 1 to 64".into())
-}
-
-/// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
-pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
-    match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::File {
-            action: "write",
-            path: "standard output".into(),
-            reason: error.to_string(),
-        }),
-        _ => Ok(()),
-    }
 }
 
 impl Arguments {

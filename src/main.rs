@@ -1,6 +1,7 @@
 //! The `freeform` program: scenes in, pictures out.
 
 mod cli;
+mod io;
 mod view;
 
 use std::io::Write as _;

@@ -4,7 +4,7 @@
 //! window system → input → Key, Button → State → Changes → PreparedScene → picture → window
 //! ```
 //!
-//! What keys and mouse do is decided without a window (`state`, `pointer`, and the table in `action`)
+//! What keys and mouse do is decided without a window (`state`, `gestures`, and the table in `action`)
 //! and tested without one. The window itself is behind the feature `viewer`.
 #![cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 
@@ -13,6 +13,7 @@ mod action;
 mod app;
 mod camera;
 mod files;
+mod gestures;
 #[cfg(feature = "viewer")]
 mod gl;
 #[cfg(feature = "viewer")]
@@ -38,7 +39,8 @@ use std::path::PathBuf;
 use clap::Args;
 use freeform_surface::Result;
 
-use crate::cli::{LoadArguments, say};
+use crate::io::input::LoadArguments;
+use crate::io::say;
 
 /// What `freeform view` takes.
 #[derive(Debug, Args)]

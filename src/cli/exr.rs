@@ -9,7 +9,7 @@ use exr::prelude::{
 };
 use freeform_surface::{AovKind, Aovs, Error, Result};
 
-use super::output::{Output, replace};
+use crate::io::output::{Output, replace};
 
 /// One AOV and its file.
 #[derive(Debug, Clone, PartialEq, Eq)]

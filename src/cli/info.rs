@@ -1,6 +1,7 @@
 //! `freeform info`: the driver, its limits, and whether it draws what it should.
 
-use super::{check, say};
+use super::check;
+use crate::io::say;
 use freeform_surface::gpu::Need;
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{Backend, Headless, Result};

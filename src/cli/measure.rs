@@ -12,7 +12,8 @@ use glam::UVec2;
 use indicatif::ProgressBar;
 use serde::Serialize;
 
-use super::{Format, MeasureArguments, input, say};
+use super::{Format, MeasureArguments};
+use crate::io::{input, say};
 
 /// Frames whose median time is told.
 const FRAMES: usize = 3;

@@ -10,9 +10,10 @@ use freeform_surface::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::RenderArguments;
 use super::exr::AovFile;
-use super::output::Output;
-use super::{RenderArguments, say};
+use crate::io::output::Output;
+use crate::io::say;
 
 /// Renders every scene to its output.
 ///

@@ -23,8 +23,9 @@ use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{Backend, Error, Headless, Image, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::output::replace;
-use super::{ReportArguments, say};
+use super::ReportArguments;
+use crate::io::output::replace;
+use crate::io::say;
 use lab::{Lab, check_resources};
 use page::{Head, page};
 use row::Row;

@@ -5,8 +5,9 @@ use std::path::Path;
 
 use freeform_surface::{Error, Mesh, Result, Smoothing, smooth};
 
-use super::output::{Output, replace};
-use super::{SmoothArguments, SmoothMethod, say};
+use super::{SmoothArguments, SmoothMethod};
+use crate::io::output::{Output, replace};
+use crate::io::say;
 
 /// Reads the mesh, smooths it and writes it.
 ///

@@ -14,7 +14,8 @@ use std::sync::OnceLock;
 
 use glam::DVec3;
 
-use super::{Corner, Mesh, Smoothing, normals};
+use super::vectors::between;
+use super::{Corner, Mesh, Smoothing};
 use crate::Result;
 
 /// No twin: the half-edge is at a border.
@@ -388,7 +389,7 @@ impl HalfedgeMesh {
         [0, 1].map(|end| {
             let [own, other] =
                 [ends[end], of_twin[end]].map(|end| self.corner(end).normal as usize);
-            if own == other { normals[own] } else { normals::between(normals[own], normals[other]) }
+            if own == other { normals[own] } else { between(normals[own], normals[other]) }
         })
     }
 }

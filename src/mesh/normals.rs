@@ -1,53 +1,16 @@
-//! Normals: what becomes of those that are given, and those that are missing.
+//! Normals that a mesh does not give: of triangles, and of corners from the triangles around them.
 
 use std::cmp::Ordering;
 
 use glam::{DVec3, DVec4};
 
 use super::half_edge::{Connectivity, next};
-use super::{Corner, CreaseAngle, Mesh, sum};
-
-/// A sum of unit vectors that is shorter than this has no direction: what is left of it may be
-/// rounding alone.
-const VANISHED: f64 = 1e-8;
-/// A normal whose squared length is this near to 1 keeps its bits, so that meshes which are written
-/// and read again stay the same.
-const UNIT: f64 = 1e-14;
+use super::vectors::{direction, mean, sum};
+use super::{Corner, CreaseAngle, Mesh};
 
 /// A triangle whose longest side is 1 and whose area is less than this has no area: what is left of
 /// it may be rounding alone.
 const NO_AREA: f64 = 1e-14;
-
-/// A given normal as a unit vector, zero as zero; none if it is not finite.
-pub(super) fn unit(normal: DVec3) -> Option<DVec3> {
-    if (normal.length_squared() - 1.0).abs() <= UNIT {
-        return Some(normal);
-    }
-    // Scaled first, because squares of very long and very short ones are out of range.
-    let scale = normal.abs().max_element();
-    normal.is_finite().then(|| if scale > 0.0 { (normal / scale).normalize() } else { DVec3::ZERO })
-}
-
-/// The direction of a sum of unit vectors; none if it vanishes.
-pub(super) fn direction(sum: DVec3) -> Option<DVec3> {
-    let length = sum.length();
-    (length > VANISHED).then(|| sum / length)
-}
-
-/// The normal that two sides of an edge have in common at one of its ends.
-pub(super) fn between(own: DVec3, other: DVec3) -> DVec3 {
-    if own == other { own } else { direction(own + other).unwrap_or(DVec3::ZERO) }
-}
-
-/// The part of a vector along a unit vector (or zero).
-pub(super) fn along(vector: DVec3, unit: DVec3) -> DVec3 {
-    unit * vector.dot(unit)
-}
-
-/// The mean of three vectors by weights, the same for corners in any order.
-pub(super) fn mean([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
-    sum(a * u, b * v, c * w)
-}
 
 /// The sides of a triangle, from each corner to the next, scaled so that products of them are in
 /// range; none if it is a point.

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::step::CurvedTriangle;
+use super::vectors::{along, mean};
 use super::{Alpha, SmoothTriangle, normals};
 
 /// A triangle of Phong tessellation (Boubekeur, Alexa, *Phong Tessellation*, 2008), which is a
@@ -27,7 +28,7 @@ impl PhongTriangle {
             edges: [0, 1, 2].map(|k| {
                 let edge = positions[(k + 1) % 3] - positions[k];
                 let [near, far] = edge_normals[k];
-                (normals::along(edge, near) + normals::along(-edge, far)) * (-0.5 * alpha.get())
+                (along(edge, near) + along(-edge, far)) * (-0.5 * alpha.get())
             }),
             normals,
         }
@@ -45,8 +46,8 @@ impl PhongTriangle {
 
 impl CurvedTriangle for PhongTriangle {
     fn position(&self, u: f64, v: f64, w: f64) -> DVec3 {
-        let moved = normals::mean(self.edges, [2.0 * u * v, 2.0 * v * w, 2.0 * w * u]);
-        normals::mean(self.positions, [u, v, w]) + moved
+        let moved = mean(self.edges, [2.0 * u * v, 2.0 * v * w, 2.0 * w * u]);
+        mean(self.positions, [u, v, w]) + moved
     }
 
     fn normal(&self, u: f64, v: f64, w: f64) -> DVec3 {

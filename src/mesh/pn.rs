@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::step::CurvedTriangle;
-use super::{SmoothTriangle, normals, sum};
+use super::vectors::{along, direction, mean, sum};
+use super::{SmoothTriangle, normals};
 
 /// A curved PN triangle: a cubic Bézier triangle for the shape and a quadratic one for the normals
 /// (Vlachos, Peters, Boyd, Mitchell, *Curved PN Triangles*, 2001).
@@ -34,7 +35,7 @@ impl PnTriangle {
     pub fn new(triangle: &SmoothTriangle) -> Self {
         let SmoothTriangle { positions, normals, edge_normals } = *triangle;
         // Projecting a third of the edge into the tangent plane moves it along the normal.
-        let moved = |edge: DVec3, normal: DVec3| normals::along(edge, normal) / -3.0;
+        let moved = |edge: DVec3, normal: DVec3| along(edge, normal) / -3.0;
         let edges = [0, 1, 2].map(|k| {
             let edge = positions[(k + 1) % 3] - positions[k];
             [moved(edge, edge_normals[k][0]), moved(-edge, edge_normals[k][1])]
@@ -92,13 +93,13 @@ impl CurvedTriangle for PnTriangle {
         };
         let moved =
             sum(edge(a, u, v), edge(b, v, w), edge(c, w, u)) + self.middle * (6.0 * u * v * w);
-        normals::mean(self.positions, [u, v, w]) + moved
+        mean(self.positions, [u, v, w]) + moved
     }
 
     fn normal(&self, u: f64, v: f64, w: f64) -> DVec3 {
-        let corners = normals::mean(self.normals, [u * u, v * v, w * w]);
-        let edges = normals::mean(self.edge_normals, [u * v, v * w, w * u]);
-        normals::direction(corners + edges)
+        let corners = mean(self.normals, [u * u, v * v, w * w]);
+        let edges = mean(self.edge_normals, [u * v, v * w, w * u]);
+        direction(corners + edges)
             .unwrap_or_else(|| normals::shading(self.normals, self.positions, [u, v, w]))
     }
 }
@@ -106,6 +107,6 @@ impl CurvedTriangle for PnTriangle {
 /// The normal in the middle of an edge: the sum of those at its ends, mirrored in the plane that
 /// halves the edge. An edge of no length mirrors nothing. Zero if the normals are opposite.
 fn mirrored(edge: DVec3, sum: DVec3) -> DVec3 {
-    let along = edge.try_normalize().unwrap_or(DVec3::ZERO);
-    normals::direction(sum - 2.0 * normals::along(sum, along)).unwrap_or(DVec3::ZERO)
+    let axis = edge.try_normalize().unwrap_or(DVec3::ZERO);
+    direction(sum - 2.0 * along(sum, axis)).unwrap_or(DVec3::ZERO)
 }

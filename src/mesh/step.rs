@@ -16,7 +16,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::normals::mean;
+use super::vectors::mean;
 use super::{
     Alpha, Corner, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };

@@ -20,7 +20,8 @@ use super::screen::Screen;
 use super::state::{Message, Request, State};
 use super::watch::Watch;
 use super::{ViewArguments, files, input, panel};
-use crate::cli::{LoadArguments, Output, replace};
+use crate::io::input::LoadArguments;
+use crate::io::output::{Output, replace};
 
 /// A file and what it held, in short.
 #[derive(Debug, PartialEq)]

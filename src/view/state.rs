@@ -11,7 +11,7 @@ use glam::{DVec2, dvec2};
 
 use super::action::Action;
 use super::camera::{self, Mover};
-use super::pick::PointId;
+use super::pick::{PointId, pick};
 use super::pointer::Pointer;
 use super::trims::{PutBy, switched};
 use super::undo::{History, Part};
@@ -501,6 +501,19 @@ impl State {
             Tessellation::Within(tolerance) => format!("tolerance {} px", tolerance.pixels()),
         };
         format!("{name} · {fineness} · {} triangles · {ms:.1} ms", figures.triangles)
+    }
+
+    /// What was under the cursor may have moved away without it.
+    fn hover_again(&mut self) {
+        if self.pointer.hovered.is_some() {
+            self.hover();
+        }
+    }
+
+    /// Finds the control point under the cursor; true if that is another one.
+    pub(super) fn hover(&mut self) -> bool {
+        let found = pick(self.scene(), &self.projection(), self.size(), self.pointer.place);
+        std::mem::replace(&mut self.pointer.hovered, found) != found
     }
 }
 

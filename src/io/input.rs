@@ -6,8 +6,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use freeform_surface::{CreaseAngle, Error, LoadOptions, Result, Scene, UpAxis};
 
-use super::crease_angle;
-
 /// What stands for standard input on the command line.
 const STANDARD: &str = "-";
 /// More of standard input than this is refused, as of a file.
@@ -29,6 +27,13 @@ pub(crate) struct LoadArguments {
 
 fn up_axis(text: &str) -> Result<UpAxis, String> {
     text.parse().map_err(|_| "expected y or z".into())
+}
+
+pub(crate) fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
+    text.parse()
+        .ok()
+        .and_then(|degrees| CreaseAngle::new(degrees).ok())
+        .ok_or_else(|| "expected a number of degrees from 0 to 180".into())
 }
 
 impl LoadArguments {
@@ -61,7 +66,7 @@ impl LoadArguments {
 }
 
 /// Whether a scene is read from standard input.
-pub(super) fn is_standard(path: &Path) -> bool {
+pub(crate) fn is_standard(path: &Path) -> bool {
     path == Path::new(STANDARD)
 }
 
@@ -69,7 +74,7 @@ pub(super) fn is_standard(path: &Path) -> bool {
 ///
 /// # Errors
 /// Two scenes that are `-`.
-pub(super) fn check(scenes: &[PathBuf]) -> Result<()> {
+pub(crate) fn check(scenes: &[PathBuf]) -> Result<()> {
     match scenes.iter().filter(|scene| is_standard(scene)).count() {
         0 | 1 => Ok(()),
         count => {

@@ -38,7 +38,7 @@ impl Output {
     /// # Errors
     /// Two pictures with one name, several on standard output, a name that is no .png, a folder
     /// that cannot be made.
-    pub(super) fn plan(scenes: &[PathBuf], output: Option<&Path>) -> Result<Vec<Self>> {
+    pub(crate) fn plan(scenes: &[PathBuf], output: Option<&Path>) -> Result<Vec<Self>> {
         let folder = match output {
             None => PathBuf::new(),
             Some(path) if path == Path::new("-") => {
@@ -104,7 +104,7 @@ impl Output {
     ///
     /// # Errors
     /// Names the file.
-    pub(super) fn check_keeps(&self, files: &[PathBuf]) -> Result<()> {
+    pub(crate) fn check_keeps(&self, files: &[PathBuf]) -> Result<()> {
         let Self::File(path) = self else { return Ok(()) };
         let Ok(place) = path.canonicalize() else { return Ok(()) };
         let is_source = |file: &PathBuf| file.canonicalize().is_ok_and(|file| file == place);

@@ -1,0 +1,20 @@
+//! What every command reads and writes: scenes, pictures, lines of text.
+
+pub(crate) mod input;
+pub(crate) mod output;
+
+use std::io::Write as _;
+
+use freeform_surface::Error;
+
+/// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
+pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::File {
+            action: "write",
+            path: "standard output".into(),
+            reason: error.to_string(),
+        }),
+        _ => Ok(()),
+    }
+}
