@@ -77,7 +77,7 @@ fn main() {
                 Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
             target.bind();
             let mut tessellated = || {
-                prepared.draw(&mut renderer, &frame).expect("it draws");
+                let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
                 gpu::finish(gl);
             };
             let name = format!(

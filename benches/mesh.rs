@@ -173,7 +173,7 @@ fn on_the_gpu() {
             let mut still = Renderer::new(gl).expect("a renderer");
             let ms = in_turns(&mut [
                 &mut || {
-                    prepared.draw(&mut renderer, &frame).expect("it draws");
+                    let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
                     gpu::finish(gl);
                 },
                 &mut || {

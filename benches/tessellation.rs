@@ -74,7 +74,7 @@ impl<'a> Drawn<'a> {
     }
 
     fn draw(&mut self) {
-        self.prepared.draw(&mut self.renderer, &self.frame).expect("it draws");
+        let _ = self.prepared.draw(&mut self.renderer, &self.frame).expect("it draws");
         gpu::finish(self.gl);
     }
 

@@ -117,7 +117,7 @@ fn frames(gl: &std::sync::Arc<glow::Context>) {
             let projection = scene.projection(SIDE, SIDE);
             let frame = Frame { projection, settings: scene.settings };
             move || {
-                prepared.draw(&mut renderer, &frame).expect("it draws");
+                let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
                 gpu::finish(gl);
             }
         })
@@ -190,7 +190,7 @@ fn many_surfaces(gl: &std::sync::Arc<glow::Context>) {
         let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
         let frame = Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
         let ms = timed(|| {
-            prepared.draw(&mut renderer, &frame).expect("it draws");
+            let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
             gpu::finish(gl);
         });
         line(&format!("{count} surfaces of 8 segments, ms a frame"), ms, "");

@@ -8,7 +8,7 @@ use std::error::Error;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
-use freeform_surface::{Frame, PreparedScene, Renderer, Scene, TessLevel, Tessellation};
+use freeform_surface::{Frame, FreeFormSurface, Renderer, Scene, TessLevel, Tessellation};
 use glam::DMat4;
 use glow::HasContext as _;
 use glutin::config::ConfigTemplateBuilder;
@@ -27,7 +27,7 @@ use winit::window::{Window, WindowId};
 
 /// Everything that belongs to the window; what is drawn goes before its context.
 struct Shown {
-    prepared: PreparedScene,
+    freeform: FreeFormSurface,
     renderer: Renderer,
     surface: Surface<WindowSurface>,
     context: PossiblyCurrentContext,
@@ -77,15 +77,15 @@ impl Shown {
             glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name))
         };
         let renderer = Renderer::new(&Arc::new(gl))?;
-        let prepared = PreparedScene::new(&renderer, scene)?;
-        Ok(Self { prepared, renderer, surface, context, window })
+        let freeform = FreeFormSurface::from_surface(&renderer, scene.surfaces[0].clone())?;
+        Ok(Self { freeform, renderer, surface, context, window })
     }
 }
 
 impl Demo {
     fn key(&mut self, key: &Key, events: &ActiveEventLoop) -> freeform_surface::Result<()> {
         let Some(shown) = &mut self.shown else { return Ok(()) };
-        let surface = &mut shown.prepared.surfaces_mut()[0];
+        let freeform = &mut shown.freeform;
         match key {
             Key::Named(NamedKey::Escape) => events.exit(),
             Key::Named(NamedKey::ArrowLeft) => self.angle -= 0.1,
@@ -96,18 +96,18 @@ impl Demo {
                 self.scene.settings.wireframe = !self.scene.settings.wireframe;
             }
             Key::Character(key) if key == "c" && self.hole => {
-                surface.disable_circular_trimming();
+                freeform.disable_circular_trimming();
                 self.hole = false;
             }
             Key::Character(key) if key == "c" => {
-                surface.enable_circular_trimming();
+                freeform.enable_circular_trimming();
                 self.hole = true;
             }
             _ => {}
         }
         let turned = DMat4::from_translation(glam::dvec3(0.0, 1.0, 0.0))
             * DMat4::from_rotation_y(self.angle);
-        surface.set_model_matrix(turned)?;
+        freeform.set_model_matrix(turned)?;
         self.scene.settings.tessellation = Tessellation::Level(TessLevel::new(self.level)?);
         shown.window.request_redraw();
         Ok(())
@@ -123,7 +123,8 @@ impl Demo {
             projection: self.scene.projection(width, height),
             settings: self.scene.settings,
         };
-        shown.prepared.draw(&mut shown.renderer, &frame)?;
+        shown.renderer.clear(frame.settings.background);
+        let _ = shown.freeform.render(&mut shown.renderer, &frame)?;
         Ok(shown.surface.swap_buffers(&shown.context)?)
     }
 }

@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     freeform.circular_trimming(0.2, dvec2(0.5, 0.5))?;
     target.bind();
     renderer.clear(frame.settings.background);
-    freeform.render(&mut renderer, &frame)?;
+    let _ = freeform.render(&mut renderer, &frame)?;
     freeform.disable_circular_trimming();
     target.read().save("listing16.png")?;
 
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         [dvec2(0.2, 0.5), dvec2(0.5, 1.38), dvec2(0.8, 0.5), dvec2(0.5, -0.38)];
     freeform.set_bezier_curve_trimming(left, top, right, bottom)?;
     renderer.clear(frame.settings.background);
-    freeform.render(&mut renderer, &frame)?;
+    let _ = freeform.render(&mut renderer, &frame)?;
     target.read().save("listing17.png")?;
     println!("wrote listing16.png and listing17.png");
     Ok(())

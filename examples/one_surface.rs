@@ -25,8 +25,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut renderer = Renderer::new(context.gl())?;
     let frame = Frame { projection: scene.projection(800, 600), settings: scene.settings };
     target.bind();
-    PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
+    let figures = PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
     target.read().save("one_surface.png")?;
-    println!("wrote one_surface.png, drawn by {}", context.info().renderer);
+    let (triangles, driver) = (figures.triangles, &context.info().renderer);
+    println!("wrote one_surface.png: {triangles} triangles, drawn by {driver}");
     Ok(())
 }

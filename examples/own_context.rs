@@ -80,7 +80,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             projection: scene.projection(SIZE as u32, SIZE as u32),
             settings: RenderSettings::default(),
         };
-        surface.render(&mut renderer, &frame)?;
+        let figures = surface.render(&mut renderer, &frame)?;
+        println!("{} triangles in {} draws", figures.triangles, figures.draws);
     }
 
     let mut pixels = vec![0; (4 * SIZE * SIZE) as usize];

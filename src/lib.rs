@@ -25,7 +25,8 @@
 //!     settings: scene.settings,
 //! };
 //! target.bind();
-//! PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
+//! let figures = PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
+//! assert_eq!(figures.unmet, None, "how far off it is where the tolerance could not be met");
 //! let picture = target.read();
 //! # Ok(())
 //! # }
@@ -93,7 +94,7 @@ pub use mesh::{
     Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
     SharedBorders, SmoothTriangle, Smoothing, smooth,
 };
-pub use renderer::{DrawnVertex, Frame, PreparedScene, Renderer};
+pub use renderer::{DrawnVertex, Frame, PreparedScene, PreparedSurface, Renderer};
 pub use scene::{
     Cull, Image, Light, LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings,
     Samples, Scene, SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis,

@@ -4,11 +4,14 @@
 mod aovs;
 mod drawing;
 mod meshes;
+mod points;
 mod prepared;
 pub mod programs;
 mod smooth;
 mod static_mesh;
+mod surface;
 mod triangles;
+mod trims;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -25,13 +28,14 @@ use programs::{
 };
 pub use smooth::sample_offsets;
 pub use static_mesh::{StaticLook, StaticMesh, StaticVertex};
+pub use surface::PreparedSurface;
 pub use triangles::DrawnVertex;
 use triangles::Feedback;
 
 use crate::camera::Projection;
 use crate::gpu::{Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory};
 use crate::tessellation::{DrawSize, Parts};
-use crate::{FrameFigures, FreeFormSurface, Method, Paint, RenderSettings, Result, Shading};
+use crate::{FrameFigures, Method, Paint, RenderSettings, Result, Shading};
 
 /// Side of the square that shows a control point, in pixels.
 pub const CONTROL_POINT_PX: f32 = 7.0;
@@ -160,23 +164,10 @@ impl Renderer {
         })
     }
 
-    /// Draws the patches of a surface into the bound framebuffer.
-    ///
-    /// # Errors
-    /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
-    /// method cannot cut.
-    pub fn draw(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Result<FrameFigures> {
-        let mut drawing = surface.drawing_mut().take().unwrap_or_default();
-        let surfaces = std::slice::from_mut(surface);
-        let drawn = self.draw_together(surfaces, &mut drawing, frame, Output::Picture);
-        *surface.drawing_mut() = Some(drawing);
-        drawn
-    }
-
     /// Draws surfaces that are neighbours or at least in one picture.
-    pub(crate) fn draw_together(
+    pub(crate) fn draw_surfaces(
         &mut self,
-        surfaces: &mut [FreeFormSurface],
+        surfaces: &mut [PreparedSurface],
         drawing: &mut Drawing,
         frame: &Frame,
         output: Output,
@@ -195,7 +186,7 @@ impl Renderer {
     /// Draws surfaces as the thesis or the report does.
     fn draw_ported(
         &mut self,
-        surfaces: &mut [FreeFormSurface],
+        surfaces: &mut [PreparedSurface],
         frame: &Frame,
         output: Output,
     ) -> Result<FrameFigures> {
@@ -210,21 +201,21 @@ impl Renderer {
 
     fn draw_ported_surface(
         &mut self,
-        surface: &FreeFormSurface,
+        surface: &PreparedSurface,
         frame: &Frame,
         output: Output,
         figures: &mut FrameFigures,
     ) -> Result<()> {
         let Some(trims) = &surface.uploaded_trims().thesis else { return Ok(()) };
         let aov = output == Output::Aovs;
-        let pipeline = Pipeline::ported(surface);
+        let pipeline = Pipeline::ported(surface.degree(), surface.shading());
         let settings = &frame.settings;
         let (shading, _) = self.look(surface.shading(), surface.texture(), settings, output);
         let key = ProgramKey {
             // The report's shaders hand on no position.
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading,
-            trims: trims.features(surface.trims()),
+            trims: trims.features(&surface.surface().trims),
             output,
             cut_out: output == Output::Picture
                 && !in_lines(settings, output)
@@ -248,7 +239,7 @@ impl Renderer {
         if shading == Shading::Phong && !aov {
             set_lights(program, frame);
         }
-        trims.set(surface.trims(), program, &settings.newton);
+        trims.set(&surface.surface().trims, program, &settings.newton);
         self.look(shading, surface.texture(), settings, output).1.bind(0);
         let side = surface.degree().points();
         self.set_state(side, settings.wireframe);
@@ -281,7 +272,7 @@ impl Renderer {
     /// that may be cut with it.
     fn draw_exact(
         &mut self,
-        surfaces: &[FreeFormSurface],
+        surfaces: &[PreparedSurface],
         drawing: &Drawing,
         frame: &Frame,
         target: &Target,
@@ -387,7 +378,11 @@ impl Renderer {
     ///
     /// # Errors
     /// A shader that the driver does not take.
-    pub fn draw_control_points(&mut self, surface: &FreeFormSurface, frame: &Frame) -> Result<()> {
+    pub(crate) fn draw_control_points(
+        &mut self,
+        surface: &PreparedSurface,
+        frame: &Frame,
+    ) -> Result<()> {
         let program = self.program(ProgramKey {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
@@ -409,7 +404,7 @@ impl Renderer {
         unsafe {
             self.gl.disable(glow::DEPTH_TEST);
             self.gl.enable(glow::PROGRAM_POINT_SIZE);
-            let count = surface.control_points().len() as i32;
+            let count = surface.surface().control_points().len() as i32;
             self.gl.draw_arrays(glow::POINTS, points.first() as i32, count);
             self.gl.disable(glow::PROGRAM_POINT_SIZE);
         }

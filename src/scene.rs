@@ -25,6 +25,7 @@ pub use model::{Material, MeshModel};
 pub use settings::{
     Light, Method, Normals, RenderSettings, Samples, TessLevel, Tessellation, Tolerance, UpAxis,
 };
+pub(crate) use surface::check_transform;
 pub use surface::{Cull, Paint, Shading, Surface, default_control_points};
 pub use texture::load_texture;
 pub use write::SceneText;

@@ -1,25 +1,19 @@
-//! The ported class: one freeform surface with its control points and trims on the GPU.
-
-mod points;
-mod trims;
+//! The ported class: one freeform surface with its control points and trims on the GPU, under the thesis'
+//! calls.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use crate::bezier::check_coordinates;
 use crate::gpu::Texture;
-use crate::renderer::{Drawing, Frame, Renderer};
+use crate::renderer::programs::Output;
+use crate::renderer::{Drawing, Frame, PreparedSurface, Renderer};
 use crate::scene::default_control_points;
-use crate::tessellation::Shape;
 use crate::trim::holds;
 use crate::{
-    Circle, Cull, Degree, Ellipse, Error, Image, Interval, Keep, Paint, RenderSettings, Result,
+    Circle, Cull, Degree, Ellipse, Error, FrameFigures, Interval, Keep, RenderSettings, Result,
     Segment, Shading, Surface, TrimLoop, Trims,
 };
-pub(crate) use points::{Centering, ControlPoints};
-pub(crate) use trims::UploadedTrims;
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
@@ -28,32 +22,11 @@ pub(crate) use trims::UploadedTrims;
 /// number of trims of every kind, patches of 25 control points, and weights.
 #[derive(Debug)]
 pub struct FreeFormSurface {
-    surface: Surface,
+    prepared: PreparedSurface,
     /// Segments of all loops.
     segments: usize,
-    control_points: ControlPoints,
-    /// Of each patch.
-    shapes: Vec<Shape>,
-    texture: Arc<Texture>,
-    uploaded_trims: UploadedTrims,
-    revision: Revision,
-    /// What is kept from frame to frame if the surface is drawn by itself.
-    drawing: Option<Box<Drawing>>,
-}
-
-/// Tells states of surfaces apart: no two have the same numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Revision {
-    /// Of the control points and their place in the world.
-    pub(crate) points: u64,
-    /// Of everything else.
-    pub(crate) look: u64,
-}
-
-/// A number that was not there before.
-fn new_number() -> u64 {
-    static NEXT: AtomicU64 = AtomicU64::new(0);
-    NEXT.fetch_add(1, Ordering::Relaxed)
+    /// What is kept from frame to frame.
+    drawing: Drawing,
 }
 
 impl FreeFormSurface {
@@ -94,47 +67,26 @@ impl FreeFormSurface {
         surface: Surface,
         texture: Arc<Texture>,
     ) -> Result<Self> {
-        let points = surface.control_points();
-        let centering = Centering::of(points.iter());
-        let mut uploaded = ControlPoints::upload(renderer.gl(), &[(points, centering)])?;
-        Self::with_points(surface, texture, uploaded.remove(0))
-    }
-
-    /// The same with control points that are there already.
-    pub(crate) fn with_points(
-        surface: Surface,
-        texture: Arc<Texture>,
-        control_points: ControlPoints,
-    ) -> Result<Self> {
-        check_transform(&surface.transform)?;
-        surface.trims.check()?;
-        let degree = surface.degree();
-        let patches = surface.control_points().chunks_exact(degree.points());
-        Ok(Self {
-            segments: surface.trims.segment_count(),
-            shapes: patches.map(|points| Shape::new(degree, points)).collect(),
-            surface,
-            control_points,
-            texture,
-            uploaded_trims: UploadedTrims::default(),
-            revision: Revision { points: new_number(), look: new_number() },
-            drawing: None,
-        })
+        let segments = surface.trims.segment_count();
+        let prepared = PreparedSurface::new(renderer.gl(), surface, texture)?;
+        Ok(Self { prepared, segments, drawing: Drawing::default() })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
-    /// them.
+    /// them; says what was drawn.
     ///
     /// # Errors
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.
-    pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
-        renderer.draw(self, frame)?;
+    pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameFigures> {
+        let surfaces = std::slice::from_mut(&mut self.prepared);
+        let figures =
+            renderer.draw_surfaces(surfaces, &mut self.drawing, frame, Output::Picture)?;
         // Squares lie on top of everything.
         if frame.settings.control_points {
-            renderer.draw_control_points(self, frame)?;
+            renderer.draw_control_points(&self.prepared, frame)?;
         }
-        Ok(())
+        Ok(figures)
     }
 
     /// Builds and uploads what drawing with these settings needs for the trims, unless that is there
@@ -143,114 +95,86 @@ impl FreeFormSurface {
     /// # Errors
     /// No memory, or loops that the method cannot cut.
     pub fn prepare(&mut self, renderer: &Renderer, settings: &RenderSettings) -> Result<()> {
-        self.upload_trims(renderer.gl(), settings)
+        self.prepared.upload_trims(renderer.gl(), settings)
     }
 
-    /// Places the surface in the world.
+    /// Places the surface in the world: see [`PreparedSurface::set_model_matrix`].
     ///
     /// # Errors
-    /// A matrix that is not finite, has numbers beyond 1e15, or is not affine (last row 0 0 0 1).
+    /// As there.
     pub fn set_model_matrix(&mut self, matrix: DMat4) -> Result<()> {
-        check_transform(&matrix)?;
-        self.surface.transform = matrix;
-        self.revision.points = new_number();
-        Ok(())
+        self.prepared.set_model_matrix(matrix)
     }
 
-    /// Moves one control point; it keeps its weight. Only its own bytes go to the GPU; all of
-    /// the surface's, centred anew, if it goes far out of their box or the box becomes much smaller. Edges
-    /// that it had in common with other surfaces then differ from theirs by rounding.
+    /// Moves one control point; it keeps its weight: see [`PreparedSurface::set_control_point`].
     ///
     /// # Errors
-    /// An index out of range, a point that is not finite; the surface stays as it was.
+    /// As there.
     pub fn set_specific_control_point(&mut self, point: DVec3, index: usize) -> Result<()> {
-        let weight = self.surface.control_points().get(index).map_or(1.0, |point| point.w);
-        self.set_control_point(point.extend(weight), index)
+        self.prepared.set_specific_control_point(point, index)
     }
 
-    /// Moves one control point and gives it a weight.
+    /// Moves one control point and gives it a weight: see [`PreparedSurface::set_control_point`].
     ///
     /// # Errors
-    /// As [`FreeFormSurface::set_specific_control_point`], and a weight that is not above 0.
+    /// As there.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
-        self.surface.set_control_point(point, index)?;
-        self.control_points.write(index, point);
-        let points = self.surface.control_points();
-        if self.control_points.are_off_center(points) {
-            self.control_points.recenter(points);
-        }
-        let degree = self.surface.degree();
-        let patch = index / degree.points();
-        let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];
-        self.shapes[patch] = Shape::new(degree, points);
-        self.revision.points = new_number();
-        Ok(())
+        self.prepared.set_control_point(point, index)
     }
 
     /// Gives the surface a picture; several surfaces may share one.
     pub fn set_texture(&mut self, texture: Arc<Texture>) {
-        self.texture = texture;
-        self.revision.look = new_number();
+        self.prepared.set_texture(texture);
     }
 
     /// Chooses the lighting.
     pub fn set_shading(&mut self, shading: Shading) {
-        self.surface.shading = shading;
-        self.revision.look = new_number();
+        self.prepared.set_shading(shading);
     }
 
     /// Chooses what need not be drawn.
     pub fn set_cull(&mut self, cull: Cull) {
-        self.surface.cull = cull;
-        self.revision.look = new_number();
+        self.prepared.set_cull(cull);
     }
 
     /// Switches the circles on.
     pub fn enable_circular_trimming(&mut self) {
-        self.surface.trims.circles_on = true;
-        self.forget_trims();
+        self.prepared.trims_mut().circles_on = true;
     }
 
     /// Switches the circles off; they are kept.
     pub fn disable_circular_trimming(&mut self) {
-        self.surface.trims.circles_on = false;
-        self.forget_trims();
+        self.prepared.trims_mut().circles_on = false;
     }
 
     /// Switches the intervals on.
     pub fn enable_interval_trimming(&mut self) {
-        self.surface.trims.intervals_on = true;
-        self.forget_trims();
+        self.prepared.trims_mut().intervals_on = true;
     }
 
     /// Switches the intervals off; they are kept.
     pub fn disable_interval_trimming(&mut self) {
-        self.surface.trims.intervals_on = false;
-        self.forget_trims();
+        self.prepared.trims_mut().intervals_on = false;
     }
 
     /// Switches the ellipses on.
     pub fn enable_ellipse_trimming(&mut self) {
-        self.surface.trims.ellipses_on = true;
-        self.forget_trims();
+        self.prepared.trims_mut().ellipses_on = true;
     }
 
     /// Switches the ellipses off; they are kept.
     pub fn disable_ellipse_trimming(&mut self) {
-        self.surface.trims.ellipses_on = false;
-        self.forget_trims();
+        self.prepared.trims_mut().ellipses_on = false;
     }
 
     /// Switches the Bézier loops on.
     pub fn enable_bezier_curve_trimming(&mut self) {
-        self.surface.trims.loops_on = true;
-        self.forget_trims();
+        self.prepared.trims_mut().loops_on = true;
     }
 
     /// Switches the Bézier loops off; they are kept.
     pub fn disable_bezier_curve_trimming(&mut self) {
-        self.surface.trims.loops_on = false;
-        self.forget_trims();
+        self.prepared.trims_mut().loops_on = false;
     }
 
     /// Makes this the one circle, as the thesis' call does; [`FreeFormSurface::add_circle`] adds.
@@ -258,8 +182,8 @@ impl FreeFormSurface {
     /// # Errors
     /// A radius that is negative or not finite, a centre that is not finite.
     pub fn circular_trimming(&mut self, radius: f64, center: DVec2) -> Result<()> {
-        self.surface.trims.circles = vec![Circle::new(center, radius)?];
-        self.forget_trims();
+        let circles = vec![Circle::new(center, radius)?];
+        self.prepared.trims_mut().circles = circles;
         Ok(())
     }
 
@@ -268,8 +192,8 @@ impl FreeFormSurface {
     /// # Errors
     /// Bounds that are not finite or not in order.
     pub fn interval_trimming(&mut self, u: DVec2, v: DVec2) -> Result<()> {
-        self.surface.trims.intervals = vec![Interval::new(u, v)?];
-        self.forget_trims();
+        let intervals = vec![Interval::new(u, v)?];
+        self.prepared.trims_mut().intervals = intervals;
         Ok(())
     }
 
@@ -279,8 +203,8 @@ impl FreeFormSurface {
     /// A radius that is negative or not finite, a centre that is not finite.
     pub fn ellipse_trimming(&mut self, radius_u: f64, radius_v: f64, center: DVec2) -> Result<()> {
         let radii = DVec2::new(radius_u, radius_v);
-        self.surface.trims.ellipses = vec![Ellipse::new(center, radii)?];
-        self.forget_trims();
+        let ellipses = vec![Ellipse::new(center, radii)?];
+        self.prepared.trims_mut().ellipses = ellipses;
         Ok(())
     }
 
@@ -333,8 +257,8 @@ impl FreeFormSurface {
     /// # Errors
     /// What [`Circle::new`] refuses; the surface stays as it was.
     pub fn add_circle(&mut self, circle: Circle) -> Result<()> {
-        self.surface.trims.circles.push(Circle::new(circle.center, circle.radius)?);
-        self.forget_trims();
+        let added = Circle::new(circle.center, circle.radius)?;
+        self.prepared.trims_mut().circles.push(added);
         Ok(())
     }
 
@@ -343,8 +267,8 @@ impl FreeFormSurface {
     /// # Errors
     /// What [`Interval::new`] refuses; the surface stays as it was.
     pub fn add_interval(&mut self, interval: Interval) -> Result<()> {
-        self.surface.trims.intervals.push(Interval::new(interval.u, interval.v)?);
-        self.forget_trims();
+        let added = Interval::new(interval.u, interval.v)?;
+        self.prepared.trims_mut().intervals.push(added);
         Ok(())
     }
 
@@ -353,8 +277,8 @@ impl FreeFormSurface {
     /// # Errors
     /// What [`Ellipse::new`] refuses; the surface stays as it was.
     pub fn add_ellipse(&mut self, ellipse: Ellipse) -> Result<()> {
-        self.surface.trims.ellipses.push(Ellipse::new(ellipse.center, ellipse.radii)?);
-        self.forget_trims();
+        let added = Ellipse::new(ellipse.center, ellipse.radii)?;
+        self.prepared.trims_mut().ellipses.push(added);
         Ok(())
     }
 
@@ -365,28 +289,25 @@ impl FreeFormSurface {
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.
     pub fn add_trim_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
         let count = trim_loop.segments().len();
-        self.surface.trims.add_loop_to(trim_loop, self.segments)?;
+        self.prepared.trims_mut().add_loop_to(trim_loop, self.segments)?;
         self.segments += count;
-        self.forget_trims();
         Ok(())
     }
 
     /// Chooses which side of the loops stays. The thesis' method knows [`Keep::Outside`] alone.
     pub fn set_keep(&mut self, keep: Keep) {
-        self.surface.trims.keep = keep;
-        self.forget_trims();
+        self.prepared.trims_mut().keep = keep;
     }
 
     /// Removes every trim; the switches stay as they are.
     pub fn clear_trims(&mut self) {
-        let trims = &mut self.surface.trims;
+        let trims = self.prepared.trims_mut();
         trims.circles.clear();
         trims.intervals.clear();
         trims.ellipses.clear();
         trims.loops.clear();
         trims.paths.clear();
         self.segments = 0;
-        self.forget_trims();
     }
 
     /// Replaces all trims and their switches.
@@ -394,48 +315,47 @@ impl FreeFormSurface {
     /// # Errors
     /// A shape that its constructor refuses, too many segments; the surface stays as it was.
     pub fn set_trims(&mut self, trims: Trims) -> Result<()> {
-        trims.check()?;
-        self.segments = trims.segment_count();
-        self.surface.trims = trims;
-        self.forget_trims();
+        let segments = trims.segment_count();
+        self.prepared.set_trims(trims)?;
+        self.segments = segments;
         Ok(())
     }
 
     /// The trims as they are now.
     #[must_use]
     pub const fn trims(&self) -> &Trims {
-        &self.surface.trims
+        &self.prepared.surface().trims
     }
 
     /// The degree of the patches.
     #[must_use]
     pub const fn degree(&self) -> Degree {
-        self.surface.degree()
+        self.prepared.surface().degree()
     }
 
     /// The control points of all patches.
     #[must_use]
     pub fn control_points(&self) -> &[DVec4] {
-        self.surface.control_points()
+        self.prepared.surface().control_points()
     }
 
     /// The lighting.
     #[must_use]
     pub const fn shading(&self) -> Shading {
-        self.surface.shading
+        self.prepared.surface().shading
     }
 
     /// Model space to world space.
     #[must_use]
     pub const fn model_matrix(&self) -> &DMat4 {
-        &self.surface.transform
+        &self.prepared.surface().transform
     }
 
     fn replace_loops(&mut self, loops: Vec<TrimLoop>) {
-        self.surface.trims.loops = loops;
-        self.surface.trims.paths.clear();
-        self.segments = self.surface.trims.segment_count();
-        self.forget_trims();
+        let trims = self.prepared.trims_mut();
+        trims.loops = loops;
+        trims.paths.clear();
+        self.segments = trims.segment_count();
     }
 
     fn replace_nested(&mut self, outer: TrimLoop, inner: TrimLoop) -> Result<()> {
@@ -449,88 +369,6 @@ impl FreeFormSurface {
         }
         self.replace_loops(vec![outer, inner]);
         Ok(())
-    }
-
-    pub(crate) const fn texture(&self) -> &Arc<Texture> {
-        &self.texture
-    }
-
-    pub(crate) const fn uploaded_points(&self) -> &ControlPoints {
-        &self.control_points
-    }
-
-    pub(crate) fn shapes(&self) -> &[Shape] {
-        &self.shapes
-    }
-
-    pub(crate) const fn cull(&self) -> Cull {
-        self.surface.cull
-    }
-
-    pub(crate) const fn revision(&self) -> Revision {
-        self.revision
-    }
-
-    /// From the driver's control points to world space.
-    pub(crate) fn points_to_world(&self) -> DMat4 {
-        self.surface.transform * self.control_points.centering().to_model()
-    }
-
-    /// What is kept from frame to frame if the surface is drawn by itself.
-    pub(crate) const fn drawing_mut(&mut self) -> &mut Option<Box<Drawing>> {
-        &mut self.drawing
-    }
-
-    /// Control points, shapes and trims at once, for the pass that uses them together.
-    pub(crate) fn for_plan(&mut self) -> (&[DVec4], &[Shape], &mut UploadedTrims) {
-        (self.surface.control_points(), &self.shapes, &mut self.uploaded_trims)
-    }
-
-    fn forget_trims(&mut self) {
-        self.uploaded_trims = UploadedTrims::default();
-        self.revision.look = new_number();
-    }
-
-    /// Brings what a method needs for the trims to the GPU, if it is not there yet.
-    pub(crate) fn upload_trims(
-        &mut self,
-        gl: &Arc<glow::Context>,
-        settings: &RenderSettings,
-    ) -> Result<()> {
-        self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
-    }
-
-    /// What was uploaded since the trims changed last.
-    pub(crate) const fn uploaded_trims(&self) -> &UploadedTrims {
-        &self.uploaded_trims
-    }
-}
-
-/// Checks a matrix that places something in the world.
-pub(crate) fn check_transform(matrix: &DMat4) -> Result<()> {
-    for column in [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis] {
-        check_coordinates("model matrix", column.truncate())?;
-    }
-    if matrix.row(3) != DVec4::W {
-        return Err(Error::invalid("last row of the model matrix", matrix.row(3), "0 0 0 1"));
-    }
-    Ok(())
-}
-
-impl Paint {
-    /// The texture that shows this paint: the picture, or one texel of the colour.
-    ///
-    /// # Errors
-    /// As [`Texture::new`].
-    pub fn upload(&self, gl: &Arc<glow::Context>) -> Result<Texture> {
-        match self {
-            Self::Texture(image) => Texture::new(gl, "surface picture", image),
-            Self::Color(rgb) => {
-                let [r, g, b] = rgb.map(|channel| (channel * 255.0).round() as u8);
-                let texel = Image::from_pixel(1, 1, image::Rgba([r, g, b, 255]));
-                Texture::new(gl, "surface color", &texel)
-            }
-        }
     }
 }
 

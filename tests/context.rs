@@ -68,7 +68,7 @@ fn a_scene_can_be_prepared_for_every_method_and_switched_between_them() {
             let projection = scene.projection(size.x, size.y);
             let frame = Frame { projection, settings: scene.settings };
             prepared.prepare(&renderer, &frame).unwrap();
-            prepared.draw(&mut renderer, &frame).unwrap();
+            let _ = prepared.draw(&mut renderer, &frame).unwrap();
             assert!(target.read() == expected, "{:?}", scene.settings);
         }
     }

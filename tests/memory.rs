@@ -66,7 +66,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
             let [a, b, c, d] =
                 [(0.2, 0.5), (0.5, 0.9), (0.8, 0.5), (0.5, 0.1)].map(|(u, v)| dvec2(u, v));
             surface.set_bezier_curve_trimming(a, b, c, d).unwrap();
-            surface.render(&mut renderer, &frame).unwrap();
+            let _ = surface.render(&mut renderer, &frame).unwrap();
             // A software driver collects commands, and memory with them, until someone waits.
             gpu::finish(gl);
         };

@@ -40,7 +40,7 @@ fn cut_by_gpu(scene: &Scene) -> Vec<bool> {
     let mut prepared = PreparedScene::new(&renderer, scene).unwrap();
     let frame = Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
     target.bind();
-    prepared.draw(&mut renderer, &frame).unwrap();
+    let _ = prepared.draw(&mut renderer, &frame).unwrap();
     let row = 4 * SIDE as usize;
     let image = target.read();
     image.chunks_exact(row).rev().flat_map(|row| row.chunks_exact(4)).map(|p| p[3] == 0).collect()

@@ -54,7 +54,7 @@ impl Stage {
     fn picture(&mut self, surface: &mut FreeFormSurface) -> Image {
         self.target.bind();
         self.renderer.clear([0.0; 4]);
-        surface.render(&mut self.renderer, &self.frame).unwrap();
+        let _ = surface.render(&mut self.renderer, &self.frame).unwrap();
         self.target.read()
     }
 
@@ -231,6 +231,12 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
     let mut plain = Surface::new(Degree::Cubic, surface.control_points().to_vec()).unwrap();
     plain.trims.circles.push(bare);
     assert!(FreeFormSurface::from_surface(&stage.renderer, plain).is_err());
+    // Also that of a mesh.
+    let cube = common::root().join("resources/meshes/cube.obj");
+    let mut scene = Scene::load(&cube).unwrap();
+    scene.meshes[0].transform = projective;
+    let error = PreparedScene::new(&stage.renderer, &scene).unwrap_err().to_string();
+    assert!(error.contains("last row of the model matrix"), "{error}");
     let outside: Vec<DVec2> = lens(0.2, 0.1).into_iter().chain(lens(0.3, 0.1)).collect();
     let text = surface.set_nested_bezier_curve_trimming(outside.try_into().unwrap()).unwrap_err();
     assert!(text.to_string().contains("inner loop"), "{text}");

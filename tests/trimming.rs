@@ -98,7 +98,7 @@ impl FlatPictures {
         let scene = flat(trims.clone());
         let mut prepared = PreparedScene::new(&self.renderer, &scene).unwrap();
         self.target.bind();
-        prepared.draw(&mut self.renderer, &frame(&scene, Self::SIDE)).unwrap();
+        let _ = prepared.draw(&mut self.renderer, &frame(&scene, Self::SIDE)).unwrap();
         let image = self.target.read();
         let rows = image.chunks_exact(4 * Self::SIDE as usize).rev();
         let cut: Vec<bool> = rows.flat_map(|row| row.chunks_exact(4)).map(|p| p[3] == 0).collect();
@@ -210,7 +210,7 @@ impl FloatTarget {
         unsafe {
             self.gl.bind_framebuffer(glow::FRAMEBUFFER, Some(self.framebuffer));
             self.gl.viewport(0, 0, side, side);
-            prepared.draw(&mut renderer, &frame(scene, self.side)).unwrap();
+            let _ = prepared.draw(&mut renderer, &frame(scene, self.side)).unwrap();
             let slice = PixelPackData::Slice(Some(&mut bytes));
             self.gl.read_pixels(0, 0, side, side, glow::RGBA, glow::FLOAT, slice);
         }
@@ -440,7 +440,7 @@ fn samples_drawn(context: &Checked, scene: &Scene, side: u32) -> Vec<(DVec2, Vec
         gl.viewport(0, 0, size, size);
         let mut renderer = Renderer::new(gl).unwrap();
         let mut prepared = PreparedScene::new(&renderer, scene).unwrap();
-        prepared.draw(&mut renderer, &frame(scene, side)).unwrap();
+        let _ = prepared.draw(&mut renderer, &frame(scene, side)).unwrap();
         let get_multisample_fv: GetMultisamplefv = std::mem::transmute(get_multisample_fv);
         let positions: Vec<DVec2> = (0..SAMPLES)
             .map(|i| {

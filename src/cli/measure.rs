@@ -158,7 +158,7 @@ impl<'a> Bench<'a> {
         let mut times = [Duration::ZERO; FRAMES];
         for time in &mut times {
             let start = Instant::now();
-            prepared.draw(&mut self.renderer, &frame)?;
+            let _ = prepared.draw(&mut self.renderer, &frame)?;
             gpu::finish(self.context.gl());
             *time = start.elapsed();
         }

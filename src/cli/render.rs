@@ -204,7 +204,7 @@ impl Job {
             self.target.bind();
             for time in [&mut times.first_frame, &mut times.frame] {
                 let start = Instant::now();
-                prepared.draw(&mut self.renderer, &frame)?;
+                let _ = prepared.draw(&mut self.renderer, &frame)?;
                 gpu::finish(gl);
                 *time = start.elapsed();
             }

@@ -11,9 +11,9 @@ use glam::{DMat3, DMat4, DVec3, DVec4, UVec2, Vec4};
 
 use super::Frame;
 use super::programs::TrimFeatures;
+use super::surface::{PreparedSurface, Revision};
 use crate::camera::Projection;
 use crate::gpu::{Buffer, TexelBuffer};
-use crate::surface::{FreeFormSurface, Revision};
 use crate::tessellation::{
     DrawSize, EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen,
     SurfacePatches, parts_of_next_draw,
@@ -96,7 +96,7 @@ impl Drawing {
     pub(crate) fn update(
         &mut self,
         gl: &Arc<glow::Context>,
-        surfaces: &mut [FreeFormSurface],
+        surfaces: &mut [PreparedSurface],
         frame: &Frame,
         size: UVec2,
         draw_size: DrawSize,
@@ -144,8 +144,8 @@ impl Drawing {
     }
 
     /// Finds out what changed since the last frame; false if anything did.
-    fn note_revisions(&mut self, surfaces: &[FreeFormSurface]) -> bool {
-        let now = surfaces.iter().map(FreeFormSurface::revision);
+    fn note_revisions(&mut self, surfaces: &[PreparedSurface]) -> bool {
+        let now = surfaces.iter().map(PreparedSurface::revision);
         if self.revisions.iter().copied().eq(now.clone()) {
             return true;
         }
@@ -160,7 +160,7 @@ impl Drawing {
     }
 
     /// Sorts the patches of all surfaces into batches.
-    fn sort(&mut self, surfaces: &[FreeFormSurface]) {
+    fn sort(&mut self, surfaces: &[PreparedSurface]) {
         self.batches.clear();
         self.lists.clear();
         let mut known: HashMap<BatchKey, u32> = HashMap::new();
@@ -198,7 +198,7 @@ impl Drawing {
         }
     }
 
-    fn plan(&mut self, surfaces: &mut [FreeFormSurface], seen: &Seen) {
+    fn plan(&mut self, surfaces: &mut [PreparedSurface], seen: &Seen) {
         let tolerance = match seen.tessellation {
             Tessellation::Within(tolerance) => tolerance.pixels(),
             Tessellation::Level(_) => 1.0,
@@ -208,8 +208,8 @@ impl Drawing {
         let mut first_patch = 0;
         let mut patches: Vec<SurfacePatches<'_>> = Vec::with_capacity(surfaces.len());
         for (number, surface) in surfaces.iter_mut().enumerate() {
-            let model = *surface.model_matrix();
-            let back = (surface.cull() == Cull::Back).then(|| {
+            let model = surface.surface().transform;
+            let back = (surface.surface().cull == Cull::Back).then(|| {
                 (
                     eye_in_model(&seen.projection, &model),
                     DMat3::from_mat4(model).determinant().signum(),
@@ -252,7 +252,7 @@ impl Drawing {
     fn upload(
         &mut self,
         gl: &Arc<glow::Context>,
-        surfaces: &[FreeFormSurface],
+        surfaces: &[PreparedSurface],
         seen: &Seen,
         draw_size: DrawSize,
     ) -> Result<()> {
@@ -330,7 +330,7 @@ fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Rang
 }
 
 /// Surfaces with one transform may have edges in common, if their control points were centred alike.
-pub(super) fn edge_sources(surfaces: &[FreeFormSurface]) -> Vec<EdgeSource<'_>> {
+pub(super) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> {
     let mut groups: HashMap<[u64; 16], u32> = HashMap::new();
     surfaces
         .iter()
@@ -339,7 +339,7 @@ pub(super) fn edge_sources(surfaces: &[FreeFormSurface]) -> Vec<EdgeSource<'_>> 
             let next = groups.len() as u32;
             EdgeSource {
                 degree: surface.degree(),
-                points: surface.control_points(),
+                points: surface.surface().control_points(),
                 group: *groups.entry(bits).or_insert(next),
             }
         })

@@ -8,13 +8,14 @@ use glam::{DMat4, DVec3};
 use glow::HasContext;
 
 use super::drawing::{Seen, matrices};
+use super::points::Centering;
 use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::triangles::Feedback;
 use super::{
     DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
 };
 use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
-use crate::surface::Centering;
+use crate::scene::check_transform;
 use crate::tessellation::{
     DrawSize, Rounding, Screen, TriangleBound, parts_of_next_draw, raise, triangles_of_triangle,
     vertices_of_triangle,
@@ -104,6 +105,7 @@ impl PreparedMesh {
         model: &'a MeshModel,
         mut texture: impl FnMut(&'a Paint) -> Result<Arc<Texture>>,
     ) -> Result<Self> {
+        check_transform(&model.transform)?;
         let mesh = model.mesh().mesh();
         let count = mesh.triangles().len();
         let mut paints: Vec<Painted> = Vec::new();

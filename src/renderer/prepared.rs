@@ -4,17 +4,18 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::meshes::PreparedMesh;
+use super::points::{Centering, ControlPoints};
 use super::programs::Output;
+use super::surface::PreparedSurface;
 use super::{Drawing, Frame, Renderer};
 use crate::gpu::{Target, Texture};
-use crate::surface::{Centering, ControlPoints};
 use crate::tessellation::{EdgeSource, EdgeTable};
-use crate::{FrameFigures, FreeFormSurface, Method, Paint, Result, Scene, Surface};
+use crate::{FrameFigures, Method, Paint, Result, Scene, Surface};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
 #[derive(Debug)]
 pub struct PreparedScene {
-    surfaces: Vec<FreeFormSurface>,
+    surfaces: Vec<PreparedSurface>,
     meshes: Vec<PreparedMesh>,
     drawing: Drawing,
     figures: FrameFigures,
@@ -24,7 +25,7 @@ impl PreparedScene {
     /// Uploads the surfaces of a scene; a picture or colour that several share goes up once.
     ///
     /// # Errors
-    /// Trims out of their range, a texture that the driver cannot hold, no memory.
+    /// Trims or transforms out of their range, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
         let gl = renderer.gl();
         let mut textures: Vec<(&Paint, bool, Arc<Texture>)> = Vec::new();
@@ -48,7 +49,7 @@ impl PreparedScene {
             let uploaded = ControlPoints::upload(gl, &points)?;
             for (surface, points) in scene.surfaces.iter().zip(uploaded) {
                 let texture = texture(&surface.paint, false)?;
-                surfaces.push(FreeFormSurface::with_points(surface.clone(), texture, points)?);
+                surfaces.push(PreparedSurface::with_points(surface.clone(), texture, points)?);
             }
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
@@ -58,7 +59,7 @@ impl PreparedScene {
         Ok(Self { surfaces, meshes, drawing: Drawing::default(), figures: FrameFigures::default() })
     }
 
-    pub(super) const fn for_drawing(&mut self) -> (&mut Vec<FreeFormSurface>, &mut Drawing) {
+    pub(super) const fn for_drawing(&mut self) -> (&mut Vec<PreparedSurface>, &mut Drawing) {
         (&mut self.surfaces, &mut self.drawing)
     }
 
@@ -69,7 +70,7 @@ impl PreparedScene {
         output: Output,
     ) -> Result<()> {
         let (surfaces, drawing) = (&mut self.surfaces, &mut self.drawing);
-        let mut figures = renderer.draw_together(surfaces, drawing, frame, output)?;
+        let mut figures = renderer.draw_surfaces(surfaces, drawing, frame, output)?;
         self.update_meshes(renderer, frame)?;
         for mesh in &self.meshes {
             renderer.draw_mesh(mesh, frame, output, figures.patches, None)?;
@@ -90,13 +91,12 @@ impl PreparedScene {
     }
 
     /// What the last drawing drew.
-    #[must_use]
     pub const fn figures(&self) -> FrameFigures {
         self.figures
     }
 
     /// The surfaces, to be changed between frames.
-    pub fn surfaces_mut(&mut self) -> &mut [FreeFormSurface] {
+    pub fn surfaces_mut(&mut self) -> &mut [PreparedSurface] {
         &mut self.surfaces
     }
 
@@ -120,12 +120,12 @@ impl PreparedScene {
         self.update_meshes(renderer, frame)
     }
 
-    /// Clears the bound framebuffer and draws the scene into it.
+    /// Clears the bound framebuffer and draws the scene into it; says what was drawn.
     ///
     /// # Errors
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.
-    pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<()> {
+    pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameFigures> {
         renderer.clear(frame.settings.background);
         self.draw_together(renderer, frame, Output::Picture)?;
         if frame.settings.control_points {
@@ -133,7 +133,7 @@ impl PreparedScene {
                 renderer.draw_control_points(surface, frame)?;
             }
         }
-        Ok(())
+        Ok(self.figures)
     }
 }
 

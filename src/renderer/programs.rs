@@ -9,7 +9,7 @@ use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
-use crate::{Degree, FreeFormSurface, Method, Normals, Result, Shading};
+use crate::{Degree, Method, Normals, Result, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -135,8 +135,8 @@ impl Pipeline {
     /// Which of the two ported works draws a surface: the report what it can, unlit 5×5 patches, and
     /// the thesis everything else.
     #[must_use]
-    pub fn ported(surface: &FreeFormSurface) -> Self {
-        match (surface.degree(), surface.shading()) {
+    pub const fn ported(degree: Degree, shading: Shading) -> Self {
+        match (degree, shading) {
             (Degree::Quartic, Shading::Unlit) => Self::Report,
             (degree, _) => Self::Thesis(degree),
         }

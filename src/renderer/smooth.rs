@@ -54,7 +54,7 @@ impl PreparedScene {
         }
         target.bind();
         let mut image = if samples <= target.samples() {
-            self.draw(renderer, &frame)?;
+            let _ = self.draw(renderer, &frame)?;
             progress(1, 1);
             target.read()
         } else {
@@ -80,7 +80,7 @@ impl PreparedScene {
         for (done, offset) in (1..).zip(sample_offsets(samples)) {
             let projection = moved(&frame.projection, -offset, (width, height));
             target.bind();
-            self.draw(renderer, &Frame { projection, settings: frame.settings })?;
+            let _ = self.draw(renderer, &Frame { projection, settings: frame.settings })?;
             for (sum, byte) in sums.iter_mut().zip(target.read().as_raw()) {
                 *sum += f32::from(*byte);
             }

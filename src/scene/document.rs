@@ -11,6 +11,7 @@ use glam::{DMat4, DVec3, DVec4, EulerRot};
 use toml::Spanned;
 
 use super::file::{extension, line_of, read_text, unreadable};
+use super::surface::check_transform;
 use super::tables::{
     CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
     ShadingName, SmoothingName, SurfaceTable,
@@ -22,7 +23,6 @@ use super::{
 };
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
 use crate::camera::Lens;
-use crate::surface::check_transform;
 use crate::{Alpha, Camera, CreaseAngle, Degree, Error, Keep, Newton, Result, Smoothing};
 use trims::{PlacedTrims, TrimPlaces};
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::Image;
-use crate::bezier::check_control_point;
+use crate::bezier::{check_control_point, check_coordinates};
 use crate::{Degree, Error, Patch, Result, Trims};
 
 /// What a surface's points look like.
@@ -164,4 +164,15 @@ pub fn default_control_points() -> Vec<DVec4> {
         .rev()
         .flat_map(|z| PLACES.iter().map(move |x| DVec4::new(*x, 0.0, *z, 1.0)))
         .collect()
+}
+
+/// Checks a matrix that places something in the world.
+pub(crate) fn check_transform(matrix: &DMat4) -> Result<()> {
+    for column in [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis] {
+        check_coordinates("model matrix", column.truncate())?;
+    }
+    if matrix.row(3) != DVec4::W {
+        return Err(Error::invalid("last row of the model matrix", matrix.row(3), "0 0 0 1"));
+    }
+    Ok(())
 }

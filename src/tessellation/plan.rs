@@ -139,6 +139,7 @@ impl SurfacePatches<'_> {
 }
 
 /// What a frame drew.
+#[must_use = "it says whether the tolerance was met"]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameFigures {
     /// Patches of the scene, and triangles of its meshes.

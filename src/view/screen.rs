@@ -60,7 +60,7 @@ impl Screen {
             && (samples == 1 || frame.settings.background[3] == 1.0);
         if is_whole || state.is_moving() {
             self.target.bind();
-            self.prepared.draw(&mut self.renderer, &frame)?;
+            let _ = self.prepared.draw(&mut self.renderer, &frame)?;
             self.still = None;
             self.stale = !is_whole;
         } else {

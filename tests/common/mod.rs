@@ -112,7 +112,7 @@ pub fn draw(
     let (width, height) = target.size();
     target.bind();
     let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
-    prepared.draw(renderer, &frame).unwrap_or_else(|error| panic!("{error}"));
+    let _ = prepared.draw(renderer, &frame).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// How two pictures differ outside the pixels that are left out.

@@ -80,7 +80,7 @@ impl Stage {
 
     pub fn picture(&mut self, prepared: &mut PreparedScene, frame: &Frame) -> Image {
         self.target.bind();
-        prepared.draw(&mut self.renderer, frame).unwrap();
+        let _ = prepared.draw(&mut self.renderer, frame).unwrap();
         self.target.read()
     }
 }

@@ -278,7 +278,7 @@ impl Lab {
     pub(super) fn picture(&mut self, scene: &Scene) -> Result<Image> {
         self.picture.bind();
         let frame = self.frame(scene);
-        self.prepare(scene)?.draw(&mut self.renderer, &frame)?;
+        let _ = self.prepare(scene)?.draw(&mut self.renderer, &frame)?;
         Ok(self.picture.read())
     }
 

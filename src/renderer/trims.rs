@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec4};
 
-use crate::gpu::{Buffer, Program, TexelBuffer};
-use crate::renderer::programs::{
+use super::programs::{
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
+use crate::gpu::{Buffer, Program, TexelBuffer};
 use crate::tessellation::{FixedParts, TrimParts};
 use crate::{
     Method, Newton, NewtonTrims, RenderSettings, Result, TessLevel, Tessellation, TrimGrid, Trims,
