@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// What every pixel of a picture shows, as numbers: one value at each pixel's centre, rows from the
 /// top. The fourth number of each is alpha: 1 where a surface is drawn, and 0 like the other three

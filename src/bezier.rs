@@ -14,7 +14,7 @@
 
 use glam::{DVec3, DVec4};
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// The most control points along one side of a patch.
 const MAX_SIDE: usize = 5;

@@ -6,7 +6,7 @@ use glam::dcamera::rh::view::look_at_mat4;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// How far a framed scene stays away from the picture's border: 1 would touch it.
 const FRAME_MARGIN: f64 = 1.06;

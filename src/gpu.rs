@@ -31,8 +31,8 @@ pub use texture::Texture;
 pub use timer::Timer;
 pub use vertex_array::VertexArray;
 
+use crate::error::{Error, Result};
 use crate::tessellation::DrawSize;
-use crate::{Error, Result};
 
 /// How large draws of parts the driver likes.
 pub(crate) fn draw_size(gl: &glow::Context) -> DrawSize {

@@ -9,8 +9,8 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
+use crate::error::{Error, Result};
 use crate::gpu::{DebugLog, DriverInfo, check_context};
-use crate::{Error, Result};
 
 /// Where a headless context comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

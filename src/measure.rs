@@ -10,8 +10,11 @@ mod views;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
+use crate::aov::Aovs;
+use crate::bezier::Patch;
+use crate::camera::Projection;
 use crate::reference::{Cover, Coverage, has_gap_near};
-use crate::{Aovs, Patch, Projection, Scene, Surface, Tessellation};
+use crate::scene::{Scene, Surface, Tessellation};
 
 pub use turns::{Timing, in_turns, in_turns_by};
 pub use views::random_view;
@@ -179,7 +182,7 @@ fn shows_a_gap(scene: &Scene, projection: &Projection, size: (u32, u32), pixel: 
 }
 
 fn count_bad(aovs: &Aovs) -> usize {
-    crate::AovKind::ALL
+    crate::aov::AovKind::ALL
         .iter()
         .flat_map(|kind| aovs.channel(*kind).as_flattened())
         .filter(|value| !value.is_finite())
@@ -258,8 +261,10 @@ fn angle_deg(a: DVec3, b: DVec3) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bezier::Degree;
+    use crate::camera::{Camera, Lens};
     use crate::reference::coverage;
-    use crate::{Camera, Degree, Lens, Method};
+    use crate::scene::Method;
     use glam::{DVec4, UVec2, dvec2, dvec3};
 
     const SIDE: usize = 40;

@@ -15,7 +15,7 @@ mod weld;
 use glam::{DVec2, DVec3};
 
 use crate::bezier::check_coordinates;
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 pub use half_edge::{HalfedgeMesh, SharedBorders, SmoothTriangle};
 pub use phong::PhongTriangle;

@@ -18,11 +18,10 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 
 use crate::bezier::{Patch, homogeneous};
 use crate::camera::Projection;
-use crate::renderer::CONTROL_POINT_PX;
+use crate::error::Result;
+use crate::scene::{CONTROL_POINT_PX, Image, Method, RenderSettings, Scene, Surface};
 use crate::tessellation::{FixedParts, Parts};
-use crate::{
-    Image, Method, Newton, NewtonTrims, RenderSettings, Result, Scene, Surface, TrimGrid, Trims,
-};
+use crate::trim::{Newton, NewtonTrims, TrimGrid, Trims};
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
@@ -230,8 +229,8 @@ impl<'a> SurfaceView<'a> {
     /// Whether the report's program draws it, as `renderer::programs::Pipeline::ported` decides.
     fn is_report(&self) -> bool {
         self.method == Method::Thesis
-            && self.surface.degree() == crate::Degree::Quartic
-            && self.surface.shading == crate::Shading::Unlit
+            && self.surface.degree() == crate::bezier::Degree::Quartic
+            && self.surface.shading == crate::scene::Shading::Unlit
     }
 
     /// The vertices of a patch at a level, row by row.
@@ -359,7 +358,7 @@ fn to_bytes(color: DVec4) -> [u8; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::TessLevel;
+    use crate::scene::TessLevel;
 
     #[test]
     fn triangles_cover_every_cell_once_without_turning() {

@@ -33,12 +33,10 @@ pub use triangles::DrawnVertex;
 use triangles::Feedback;
 
 use crate::camera::Projection;
+use crate::error::Result;
 use crate::gpu::{Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory};
-use crate::tessellation::{DrawSize, Parts};
-use crate::{FrameFigures, Method, Paint, RenderSettings, Result, Shading};
-
-/// Side of the square that shows a control point, in pixels.
-pub const CONTROL_POINT_PX: f32 = 7.0;
+use crate::scene::{CONTROL_POINT_PX, Method, Paint, RenderSettings, Shading};
+use crate::tessellation::{DrawSize, FrameFigures, Parts};
 
 /// Everything that is the same for all surfaces of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,11 +17,15 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3, dvec2, dvec3};
 
-use crate::camera::Projection;
-use crate::{Camera, Circle, CreaseAngle, Degree, Result, Smoothing};
+use crate::bezier::Degree;
+use crate::camera::{Camera, Projection};
+use crate::error::Result;
+use crate::mesh::{CreaseAngle, Smoothing};
+use crate::trim::Circle;
 
 use file::{check_is_file, extension, read_text, unreadable};
 pub use model::{Material, MeshModel};
+pub(crate) use settings::CONTROL_POINT_PX;
 pub use settings::{
     Light, Method, Normals, RenderSettings, Samples, TessLevel, Tessellation, Tolerance, UpAxis,
 };

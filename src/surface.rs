@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
+use crate::bezier::Degree;
+use crate::error::{Error, Result};
 use crate::gpu::Texture;
-use crate::renderer::programs::Output;
-use crate::renderer::{Drawing, Frame, PreparedSurface, Renderer};
-use crate::scene::default_control_points;
-use crate::trim::holds;
-use crate::{
-    Circle, Cull, Degree, Ellipse, Error, FrameFigures, Interval, Keep, RenderSettings, Result,
-    Segment, Shading, Surface, TrimLoop, Trims,
-};
+use crate::renderer::{Drawing, Frame, PreparedSurface, Renderer, programs::Output};
+use crate::scene::{Cull, RenderSettings, Shading, Surface, default_control_points};
+use crate::tessellation::FrameFigures;
+use crate::trim::{Circle, Ellipse, Interval, Keep, Segment, TrimLoop, Trims, holds};
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
@@ -283,7 +281,7 @@ impl FreeFormSurface {
     }
 
     /// Adds a loop to those that are there; one inside another is an island. The exact method takes
-    /// every loop; [`Method::Thesis`](crate::Method::Thesis) draws those that [`NewtonTrims`](crate::NewtonTrims) takes.
+    /// every loop; [`Method::Thesis`](crate::scene::Method::Thesis) draws those that [`NewtonTrims`](crate::trim::NewtonTrims) takes.
     ///
     /// # Errors
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.

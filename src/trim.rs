@@ -26,7 +26,7 @@ pub use newton::{Newton, NewtonTrims};
 pub(crate) use svg::read as read_svg;
 
 use crate::bezier::{MAX_COORDINATE, check_coordinates};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Ends of neighbouring curves closer than this (in the domain's unit) are taken as one point.
 const SNAP: f64 = 1e-6;

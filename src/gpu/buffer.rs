@@ -6,7 +6,7 @@ use bytemuck::Pod;
 use glow::HasContext;
 
 use super::{check_memory, create, size_i32};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// A buffer of plain values in the driver's memory.
 pub struct Buffer {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glow::HasContext;
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// What the driver is and how much it can do, as far as the program relies on it.
 #[derive(Debug, Clone, PartialEq, Eq)]

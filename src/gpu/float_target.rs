@@ -6,7 +6,7 @@ use glow::{HasContext, PixelPackData};
 
 use super::framebuffer::Renderbuffer;
 use super::{DriverInfo, checked_size, create, transfer_plainly};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Several pictures of four 32-bit floats a pixel that one drawing fills, and a 32-bit depth.
 pub struct FloatTarget {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glow::{HasContext, PixelPackData};
 
 use super::{DriverInfo, Texture, check_memory, checked_size, create, transfer_plainly};
-use crate::{Error, Image, Result};
+use crate::error::{Error, Result};
+use crate::scene::Image;
 
 /// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
 pub struct Framebuffer {

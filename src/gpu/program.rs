@@ -8,7 +8,7 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 use glow::{HasContext, NativeUniformLocation};
 
 use super::create;
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// A stage of the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

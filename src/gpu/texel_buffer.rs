@@ -7,7 +7,7 @@ use glam::Vec4;
 use glow::HasContext;
 
 use super::{Buffer, create};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// A buffer that shaders read through buffer textures: as words (`R32UI`), as four floats at a time
 /// (`RGBA32F`), or as both.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use glow::{HasContext, PixelUnpackData};
 
 use super::{check_memory, checked_size, create, size_i32, transfer_plainly};
-use crate::{Image, Result};
+use crate::error::Result;
+use crate::scene::Image;
 
 /// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
 /// smaller levels for the distance, clamped to its edges unless it repeats.

@@ -6,7 +6,7 @@ use std::time::Duration;
 use glow::HasContext;
 
 use super::create;
-use crate::Result;
+use crate::error::Result;
 
 /// A clock of the device for what it is told between two moments. (Timestamps, because Mesa's software
 /// driver mistakes its clock's reading for the time that elapsed.)

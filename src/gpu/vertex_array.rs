@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glow::HasContext;
 
 use super::{Buffer, create};
-use crate::Result;
+use crate::error::Result;
 
 /// How vertices lie in the buffer that they are drawn from, which changes from draw to draw.
 pub struct VertexArray {

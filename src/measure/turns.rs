@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::Result;
+use crate::error::Result;
 
 /// How long something took.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

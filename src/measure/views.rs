@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::{Camera, Lens, Scene, Surface};
+use crate::camera::{Camera, Lens};
+use crate::scene::{Scene, Surface};
 
 /// How often a point is drawn again because trims cut it.
 const TRIES: usize = 16;
@@ -127,7 +128,8 @@ impl Random {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Circle, Degree};
+    use crate::bezier::Degree;
+    use crate::trim::Circle;
     use glam::{DMat4, DVec4, dvec2, dvec3};
 
     /// The eye, and the unit direction that a camera looks in.

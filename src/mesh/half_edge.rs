@@ -16,7 +16,7 @@ use glam::DVec3;
 
 use super::vectors::between;
 use super::{Corner, Mesh, Smoothing};
-use crate::Result;
+use crate::error::Result;
 
 /// No twin: the half-edge is at a border.
 const NONE: u32 = u32::MAX;

@@ -20,7 +20,7 @@ use super::vectors::mean;
 use super::{
     Alpha, Corner, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Triangles that one becomes.
 const PARTS: usize = 9;

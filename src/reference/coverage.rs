@@ -13,7 +13,9 @@ use glam::{DMat4, DVec2, DVec4, UVec2};
 use super::TrimDecision;
 use super::raster::owns;
 use crate::camera::Projection;
-use crate::{Method, Newton, Result, Scene, TrimGrid, Trims};
+use crate::error::Result;
+use crate::scene::{Method, Scene};
+use crate::trim::{Newton, TrimGrid, Trims};
 use part::Part;
 use rows::TrimRows;
 
@@ -448,8 +450,10 @@ impl Triangle {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bezier::Degree;
+    use crate::camera::{Camera, Lens};
     use crate::reference::{Pixel, render};
-    use crate::{Camera, Degree, Lens, Surface, TessLevel, Tessellation};
+    use crate::scene::{Surface, TessLevel, Tessellation};
     use glam::{DVec3, dvec2, dvec3};
 
     /// A flat patch over x and y from `low` to `high`, with z = 0.
@@ -472,7 +476,7 @@ mod tests {
     fn a_square_and_what_is_near_its_border() {
         let mut surface = plane(DVec2::ZERO, DVec2::ONE);
         // A slot between two columns of centres: only the pixels beside it know.
-        let slot = crate::Interval::new(dvec2(0.499, 0.501), dvec2(0.0, 1.0)).unwrap();
+        let slot = crate::trim::Interval::new(dvec2(0.499, 0.501), dvec2(0.0, 1.0)).unwrap();
         surface.trims.intervals.push(slot);
         let middle = dvec3(0.5, 0.5, 0.0);
         let lens = Lens::Orthographic { height: 2.0 };

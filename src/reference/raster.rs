@@ -3,7 +3,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2};
 
 use super::{Fragment, Picture, Pixel, to_bytes};
-use crate::Image;
+use crate::scene::Image;
 
 /// A vertex in clip space with what is interpolated over triangles.
 #[derive(Debug, Clone, Copy)]

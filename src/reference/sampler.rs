@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec4};
 
-use crate::Paint;
+use crate::scene::Paint;
 
 /// One level of a picture, rows from v = 0 upwards.
 pub(super) struct Level {
@@ -96,7 +96,7 @@ impl Level {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Image;
+    use crate::scene::Image;
     use std::sync::Arc;
 
     fn checker() -> Paint {

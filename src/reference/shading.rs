@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
-use crate::{Light, Shading};
+use crate::scene::{Light, Shading};
 
 const AMBIENT: f64 = 0.1;
 const SHININESS: f64 = 150.0;

@@ -29,7 +29,7 @@ fn direction([from, to]: [DVec4; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Degree;
+    use crate::bezier::Degree;
     use crate::scene::default_control_points;
 
     /// Angles in degrees between the thesis' normal and the true one (crossed v first), over a grid.

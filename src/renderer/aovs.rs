@@ -2,8 +2,9 @@
 
 use super::programs::Output;
 use super::{Frame, PreparedScene, Renderer};
+use crate::aov::Aovs;
+use crate::error::Result;
 use crate::gpu::FloatTarget;
-use crate::{Aovs, Result};
 
 /// Pictures that `common/aov.frag` fills.
 const PICTURES: u32 = 3;

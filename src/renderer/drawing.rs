@@ -12,13 +12,15 @@ use glam::{DMat3, DMat4, DVec3, DVec4, UVec2, Vec4};
 use super::Frame;
 use super::programs::TrimFeatures;
 use super::surface::{PreparedSurface, Revision};
+use crate::bezier::Degree;
 use crate::camera::Projection;
+use crate::error::Result;
 use crate::gpu::{Buffer, TexelBuffer};
+use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
     DrawSize, EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen,
     SurfacePatches, parts_of_next_draw,
 };
-use crate::{Cull, Degree, Result, Shading, Tessellation};
 
 /// Bytes of room for parts beyond those that are there at first: a patch that is pulled may want more, and
 /// must not make everybody wait for a new buffer.

@@ -14,14 +14,13 @@ use super::triangles::Feedback;
 use super::{
     DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
 };
+use crate::error::Result;
 use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
-use crate::scene::check_transform;
+use crate::mesh::{Corner, Smoothing};
+use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
-    DrawSize, Rounding, Screen, TriangleBound, parts_of_next_draw, raise, triangles_of_triangle,
-    vertices_of_triangle,
-};
-use crate::{
-    Corner, FrameFigures, MeshModel, Paint, Result, Shading, Smoothing, TessLevel, Tessellation,
+    DrawSize, FrameFigures, Rounding, Screen, TriangleBound, parts_of_next_draw, raise,
+    triangles_of_triangle, vertices_of_triangle,
 };
 
 /// A corner of a flat triangle as `triangles/triangle.vert` reads it.

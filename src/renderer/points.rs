@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
-use crate::Result;
 use crate::bezier::homogeneous;
+use crate::error::Result;
 use crate::gpu::{Buffer, TexelBuffer};
 
 /// A box of control points, moved to the origin and scaled to about ±1.

@@ -8,9 +8,10 @@ use super::points::{Centering, ControlPoints};
 use super::programs::Output;
 use super::surface::PreparedSurface;
 use super::{Drawing, Frame, Renderer};
+use crate::error::Result;
 use crate::gpu::{Target, Texture};
-use crate::tessellation::{EdgeSource, EdgeTable};
-use crate::{FrameFigures, Method, Paint, Result, Scene, Surface};
+use crate::scene::{Method, Paint, Scene, Surface};
+use crate::tessellation::{EdgeSource, EdgeTable, FrameFigures};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
 #[derive(Debug)]

@@ -8,8 +8,10 @@ use std::collections::HashMap;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
+use crate::bezier::Degree;
+use crate::error::Result;
 use crate::gpu::{Program, ShaderPart, Stage, StageKind};
-use crate::{Degree, Method, Normals, Result, Shading};
+use crate::scene::{Method, Normals, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -264,13 +266,13 @@ pub enum Output {
     /// A colour for each pixel.
     #[default]
     Picture,
-    /// Numbers for each pixel ([`crate::Aovs`]).
+    /// Numbers for each pixel ([`crate::aov::Aovs`]).
     Aovs,
-    /// Nothing: the corners of its triangles are kept ([`crate::DrawnVertex`]).
+    /// Nothing: the corners of its triangles are kept ([`crate::renderer::DrawnVertex`]).
     Triangles,
 }
 
-/// What is kept of the corners of triangles, in the order of [`crate::DrawnVertex`].
+/// What is kept of the corners of triangles, in the order of [`crate::renderer::DrawnVertex`].
 const KEPT: [&str; 5] = ["gl_Position", "position", "passNormal", "passTessCoord", "passPatch"];
 
 macro_rules! glsl {

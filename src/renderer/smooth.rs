@@ -7,8 +7,9 @@ use glam::{DMat4, DVec2, dvec2, dvec3};
 
 use super::{Frame, PreparedScene, Renderer};
 use crate::camera::Projection;
+use crate::error::{Error, Result};
 use crate::gpu::{DriverInfo, Framebuffer};
-use crate::{Error, Image, Result, Samples};
+use crate::scene::{Image, Samples};
 
 impl Framebuffer {
     /// A target for pictures with so many samples: as many as asked for if the driver has them,

@@ -9,8 +9,10 @@ use glow::HasContext;
 
 use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::{Frame, Renderer, set_depth, set_for_aovs, set_lights};
+use crate::aov::Aovs;
+use crate::error::{Error, Result};
 use crate::gpu::{Buffer, FloatTarget, Target, Texture, VertexArray};
-use crate::{Aovs, Error, Method, Result, Shading};
+use crate::scene::{Method, Shading};
 
 /// A corner of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -7,10 +7,12 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::points::{Centering, ControlPoints};
 use super::trims::UploadedTrims;
+use crate::bezier::Degree;
+use crate::error::Result;
 use crate::gpu::Texture;
-use crate::scene::check_transform;
+use crate::scene::{Cull, Image, Paint, RenderSettings, Shading, Surface, check_transform};
 use crate::tessellation::Shape;
-use crate::{Cull, Degree, Image, Paint, RenderSettings, Result, Shading, Surface, Trims};
+use crate::trim::Trims;
 
 /// A surface in the driver's memory, to be changed between frames.
 ///

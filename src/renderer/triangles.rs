@@ -8,8 +8,9 @@ use glow::HasContext;
 
 use super::programs::Output;
 use super::{Frame, PreparedScene, Renderer};
+use crate::error::Result;
 use crate::gpu::{Buffer, Target};
-use crate::{Method, Normals, Result};
+use crate::scene::{Method, Normals};
 
 /// A corner of a triangle that the exact method draws.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]

@@ -7,11 +7,11 @@ use glam::{Vec2, Vec4};
 use super::programs::{
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
+use crate::error::Result;
 use crate::gpu::{Buffer, Program, TexelBuffer};
+use crate::scene::{Method, RenderSettings, TessLevel, Tessellation};
 use crate::tessellation::{FixedParts, TrimParts};
-use crate::{
-    Method, Newton, NewtonTrims, RenderSettings, Result, TessLevel, Tessellation, TrimGrid, Trims,
-};
+use crate::trim::{Newton, NewtonTrims, TrimGrid, Trims};
 
 /// What the shaders of each method read. It is made when the method first draws the surface, and is
 /// thrown away when its trims change.

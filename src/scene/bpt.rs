@@ -10,7 +10,8 @@ use glam::DVec4;
 
 use super::Surface;
 use super::file::line_of;
-use crate::{Degree, Error, Result};
+use crate::bezier::Degree;
+use crate::error::{Error, Result};
 
 /// What the two integers before patches mean, and how often they stand there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -21,9 +21,11 @@ use super::{
     Surface, TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture,
     obj,
 };
-use crate::bezier::{MAX_COORDINATE, check_coordinates};
-use crate::camera::Lens;
-use crate::{Alpha, Camera, CreaseAngle, Degree, Error, Keep, Newton, Result, Smoothing};
+use crate::bezier::{Degree, MAX_COORDINATE, check_coordinates};
+use crate::camera::{Camera, Lens};
+use crate::error::{Error, Result};
+use crate::mesh::{Alpha, CreaseAngle, Smoothing};
+use crate::trim::{Keep, Newton};
 use trims::{PlacedTrims, TrimPlaces};
 
 /// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond

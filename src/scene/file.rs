@@ -3,7 +3,7 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// Scene files beyond this size are refused, so that a wrong file cannot eat the memory.
 const MAX_FILE_BYTES: u64 = 64 << 20;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 
 use super::{Paint, Shading, TessLevel};
-use crate::{
+use crate::mesh::{
     Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };
 

@@ -16,8 +16,9 @@ use glam::{DVec2, DVec3};
 
 use super::file::{check_is_file, unreadable};
 use super::{Material, Paint, Surface};
-use crate::mesh::{SharedBorders, weld};
-use crate::{Corner, CreaseAngle, Mesh, MeshModel, Result, Smoothing};
+use crate::error::Result;
+use crate::mesh::{Corner, CreaseAngle, Mesh, SharedBorders, Smoothing, weld};
+use crate::scene::MeshModel;
 use material::Materials;
 use reader::Obj;
 

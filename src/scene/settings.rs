@@ -2,7 +2,12 @@
 
 use glam::DVec3;
 
-use crate::{Error, Newton, Projection, Result};
+use crate::camera::Projection;
+use crate::error::{Error, Result};
+use crate::trim::Newton;
+
+/// Side of the square that shows a control point, in pixels.
+pub(crate) const CONTROL_POINT_PX: f32 = 7.0;
 
 /// How a scene is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3, DVec4};
 
 use super::Image;
-use crate::bezier::{check_control_point, check_coordinates};
-use crate::{Degree, Error, Patch, Result, Trims};
+use crate::bezier::{Degree, Patch, check_control_point, check_coordinates};
+use crate::error::{Error, Result};
+use crate::trim::Trims;
 
 /// What a surface's points look like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

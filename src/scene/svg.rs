@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::{Result, TrimPath};
+use crate::error::Result;
+use crate::trim::TrimPath;
 
 /// The paths of a document, and the names of what was not taken.
 #[cfg(feature = "svg")]
@@ -13,5 +14,9 @@ pub(super) fn load(path: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
 
 #[cfg(not(feature = "svg"))]
 pub(super) fn load(_: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
-    Err(crate::Error::invalid("svg", "of no use in this build", "a build with the feature svg"))
+    Err(crate::error::Error::invalid(
+        "svg",
+        "of no use in this build",
+        "a build with the feature svg",
+    ))
 }

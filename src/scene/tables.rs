@@ -6,7 +6,7 @@ use serde::de::{Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
 
 use super::Shading;
-use crate::FillRule;
+use crate::trim::FillRule;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -17,11 +17,10 @@ use super::{
     Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
     Tessellation, bpt, default_control_points, load_texture, svg,
 };
-use crate::camera::Lens;
-use crate::{
-    Camera, CreaseAngle, Error, FillRule, Keep, Mesh, Result, Segment, Smoothing, TrimLoop,
-    TrimPath, Trims,
-};
+use crate::camera::{Camera, Lens};
+use crate::error::{Error, Result};
+use crate::mesh::{CreaseAngle, Mesh, Smoothing};
+use crate::trim::{FillRule, Keep, Segment, TrimLoop, TrimPath, Trims};
 
 /// Loops of more segments together are written as a path, whose length a scene does not limit.
 const MANY_SEGMENTS: usize = 200;

@@ -201,9 +201,8 @@ impl<T: Number> Curvature<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bezier::Patch;
+    use crate::bezier::{Degree, Patch, bernstein};
     use crate::camera::{Camera, Lens};
-    use crate::{Degree, bezier::bernstein};
     use fearless_simd::Level;
     use glam::{DVec3, dvec2};
     use proptest::prelude::*;

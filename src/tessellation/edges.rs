@@ -3,7 +3,7 @@
 
 use glam::DVec4;
 
-use crate::Degree;
+use crate::bezier::Degree;
 
 /// The sides of a patch in the order of `gl_TessLevelOuter`: u = 0, v = 0, u = 1, v = 1.
 pub(crate) const SIDES: usize = 4;

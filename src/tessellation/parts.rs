@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use crate::{TessLevel, TrimGrid};
+use crate::scene::TessLevel;
+use crate::trim::TrimGrid;
 
 /// Vertices that one draw of filled triangles may make. Mesa's software driver numbers the vertices
 /// of a draw with 16 bits (more than 65,535 render garbage without an error) and slows down
@@ -224,7 +225,7 @@ pub(crate) fn parts_of_next_draw(vertices: impl Iterator<Item = u32>, size: Draw
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Keep, Trims};
+    use crate::trim::{Keep, Trims};
 
     #[test]
     fn no_draw_makes_more_vertices_than_16_bits_count() {

@@ -25,7 +25,8 @@ use super::bound::{
 use super::edges::{EdgeTable, SIDES};
 use super::parts::{Cut, FixedParts, TrimParts};
 use super::shape::{Eye, Shape};
-use crate::{Degree, TessLevel};
+use crate::bezier::Degree;
+use crate::scene::TessLevel;
 use halving::Leaf;
 
 /// The most cells along a part that OpenGL draws.

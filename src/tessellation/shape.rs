@@ -3,7 +3,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use crate::Degree;
+use crate::bezier::Degree;
 
 /// How often a patch is halved to find out.
 const MOST_HALVINGS: u32 = 3;

@@ -223,7 +223,7 @@ fn clamped(uv: Vec2) -> Vec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Segment, TrimLoop, TrimPath};
+    use crate::trim::{Segment, TrimLoop, TrimPath};
     use glam::{DVec2, dvec2, vec2};
     use proptest::prelude::*;
 
@@ -390,7 +390,7 @@ mod tests {
 
     #[test]
     fn many_shapes_are_decided_as_their_equations_say() {
-        use crate::{Circle, Ellipse, Interval};
+        use crate::trim::{Circle, Ellipse, Interval};
         let mut trims = Trims::default();
         for i in 0..300 {
             let i = f64::from(i);
@@ -430,7 +430,7 @@ mod tests {
         let text = "M.1 .1 C.3 .9 .6 .9 .9 .2 Z";
         let mut trims = Trims::default();
         trims.add_svg_path(text).unwrap();
-        trims.circles.push(crate::Circle::new(dvec2(0.7, 0.7), 0.2).unwrap());
+        trims.circles.push(crate::trim::Circle::new(dvec2(0.7, 0.7), 0.2).unwrap());
         for keep in [Keep::Outside, Keep::Inside] {
             trims.keep = keep;
             let grid = TrimGrid::new(&trims);

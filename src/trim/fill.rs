@@ -2,7 +2,7 @@
 
 use super::inside::winding_number;
 use super::{TrimLoop, Trims};
-use crate::Result;
+use crate::error::Result;
 use glam::DVec2;
 
 /// What of the plane is inside a path whose loops go around it, or around each other, more than once.

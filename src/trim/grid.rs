@@ -138,7 +138,7 @@ mod tests {
     use super::*;
     use crate::trim::lattice::Bounds;
     use crate::trim::pieces::{Piece, monotone_curves};
-    use crate::{Segment, TrimLoop};
+    use crate::trim::{Segment, TrimLoop};
     use glam::Vec2;
     use proptest::prelude::*;
 

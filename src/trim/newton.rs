@@ -8,7 +8,7 @@
 use glam::DVec2;
 
 use super::{Keep, Segment, TrimLoop, Trims, inside_loops};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// How long Newton's method goes on (listing 10; figures 29–34 vary both numbers).
 #[derive(Debug, Clone, Copy, PartialEq)]

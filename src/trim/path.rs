@@ -8,7 +8,7 @@ use kurbo::{Arc, PathEl, SvgArc};
 use svgtypes::{PathParser, PathSegment};
 
 use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_counts, check_finite};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// How far the cubics of an arc are from it at most, in the unit of the domain. (Radii from about 1e8
 /// on are too large for `f64` to be that exact.)

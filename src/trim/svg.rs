@@ -15,7 +15,7 @@ use usvg::{Group, Node, Options, Path, Transform, Tree};
 use super::fill::check_paths;
 use super::path::loops_of;
 use super::{FillRule, TrimPath};
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 use document::{ReducedDocument, STYLE};
 
 /// Elements may be 1,024 deep, for which the stack of a thread can be too small.
@@ -151,9 +151,9 @@ impl Reader {
 mod tests {
     use super::*;
 
-    fn trims(document: &str) -> crate::Trims {
+    fn trims(document: &str) -> crate::trim::Trims {
         let paths = TrimPath::from_svg(document).unwrap_or_else(|error| panic!("{error}"));
-        crate::Trims { paths, ..crate::Trims::default() }
+        crate::trim::Trims { paths, ..crate::trim::Trims::default() }
     }
 
     /// Places inside, on a lattice of `N` × `N`, from v = 1 downwards.

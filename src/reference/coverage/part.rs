@@ -210,7 +210,7 @@ mod tests {
                 assert!((curve(&part, 5, 1, t) - whole).length() < 1e-14);
             }
         }
-        let expected = crate::de_casteljau(&points, 0.3).point;
+        let expected = crate::bezier::de_casteljau(&points, 0.3).point;
         assert!((curve(&points, 5, 1, 0.3) - expected).length() < 1e-14);
     }
 }

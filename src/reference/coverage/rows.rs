@@ -61,7 +61,7 @@ fn row_of(v: f64, rows: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scene;
+    use crate::scene::Scene;
 
     #[test]
     fn rows_decide_as_all_curves_do() {

@@ -4,10 +4,11 @@ use glam::DVec2;
 use toml::Spanned;
 
 use super::{Builder, KeepName, line_of};
+use crate::error::{Error, Result};
 use crate::scene::tables::{CircleTable, EllipseTable, IntervalTable, TrimTable};
 use crate::scene::{svg, unreadable};
-use crate::{
-    Circle, Ellipse, Error, Interval, Keep, NewtonTrims, Result, Segment, TrimLoop, TrimPath, Trims,
+use crate::trim::{
+    Circle, Ellipse, Interval, Keep, NewtonTrims, Segment, TrimLoop, TrimPath, Trims,
 };
 
 /// The trims of one table, and where they stand.

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use glam::{DVec3, DVec4};
 
-use crate::{Degree, Surface};
+use crate::bezier::Degree;
+use crate::scene::Surface;
 
 /// What is known of free-form statements so far.
 #[derive(Debug, Default)]

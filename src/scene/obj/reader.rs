@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 use super::freeform::FreeForm;
 use super::{Run, Surface, counted, polygon};
 use crate::bezier::MAX_COORDINATE;
-use crate::scene::bpt::shortened;
-use crate::scene::file::unreadable;
-use crate::{Corner, Error, Mesh, Result};
+use crate::error::{Error, Result};
+use crate::mesh::{Corner, Mesh};
+use crate::scene::{bpt::shortened, file::unreadable};
 
 /// The longest line, in bytes, with those that go on from it: a face of some ten thousand corners.
 const MAX_LINE: usize = 1 << 20;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::Surface;
 use crate::camera::{Camera, Lens};
+use crate::scene::Surface;
 use glam::{DMat4, DVec3, UVec2, dvec3};
 
 /// A row of patches that bend more and more, every third of them with its back to the viewer, all but

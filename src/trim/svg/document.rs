@@ -11,8 +11,8 @@ use std::ops::Range;
 use svgtypes::PathParser;
 use usvg::roxmltree::{Document, Node, ParsingOptions};
 
+use crate::error::{Error, Result};
 use crate::trim::path::unreadable_path;
-use crate::{Error, Result};
 
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 

@@ -1,0 +1,79 @@
+//! The imports of the code against the floors that `ARCHITECTURE.md` names.
+
+mod common;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use common::root;
+
+/// The floors of the tables of `ARCHITECTURE.md`, library and program.
+fn floors() -> Vec<HashMap<String, u32>> {
+    let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
+    let mut tables: Vec<HashMap<String, u32>> = Vec::new();
+    let mut is_table = false;
+    for line in text.lines() {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        if cells[0] == "floor" {
+            tables.push(HashMap::new());
+            is_table = true;
+        } else if let (true, Ok(floor)) = (is_table, cells[0].parse()) {
+            let rooms = cells[1].split('`').skip(1).step_by(2);
+            tables.last_mut().unwrap().extend(rooms.map(|room| (room.to_owned(), floor)));
+        } else if !line.starts_with("|--") {
+            is_table = false;
+        }
+    }
+    tables
+}
+
+/// All source files with their rooms.
+fn files(folder: &Path, room: Option<&str>, found: &mut Vec<(String, String)>) {
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_stem().unwrap().to_str().unwrap();
+        let room = room.unwrap_or(name);
+        if path.is_dir() {
+            files(&path, Some(room), found);
+        } else {
+            found.push((room.to_owned(), std::fs::read_to_string(&path).unwrap()));
+        }
+    }
+}
+
+/// The first names after `crate::` of a text.
+fn imports(text: &str) -> impl Iterator<Item = &str> {
+    text.split("crate::").skip(1).map(|rest| {
+        let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+        &rest[..end]
+    })
+}
+
+#[test]
+fn every_import_goes_down() {
+    let floors = floors();
+    let [library, program] = floors.as_slice() else { panic!("two tables: {floors:?}") };
+    let mut found = Vec::new();
+    files(&root().join("src"), None, &mut found);
+    assert!(found.len() > 100, "{}", found.len());
+    let mut wrong = Vec::new();
+    let mut checked = 0;
+    for (room, text) in &found {
+        let Some(rooms) = [library, program].into_iter().find(|rooms| rooms.contains_key(room))
+        else {
+            wrong.push(format!("{room} has no floor"));
+            continue;
+        };
+        for import in imports(text).filter(|import| import != room) {
+            checked += 1;
+            if rooms.get(import).is_none_or(|below| *below >= rooms[room]) {
+                wrong.push(format!("{room} uses {import}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    assert!(checked > 200, "{checked}");
+    for room in library.keys().chain(program.keys()) {
+        assert!(found.iter().any(|(there, _)| there == room), "{room} is no room");
+    }
+}
