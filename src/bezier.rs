@@ -44,6 +44,13 @@ impl Degree {
         self.side() * self.side()
     }
 
+    /// Whether a control point of a patch is one of its border's.
+    pub(crate) const fn is_on_border(self, index: usize) -> bool {
+        let last = self.side() - 1;
+        let (row, column) = (index / self.side(), index % self.side());
+        row == 0 || row == last || column == 0 || column == last
+    }
+
     /// The degree of a patch of so many control points.
     ///
     /// # Errors

@@ -32,6 +32,8 @@ const MATRIX_TEXELS: usize = 12;
 #[derive(Debug, Default)]
 pub(crate) struct Drawing {
     revisions: Vec<Revision>,
+    /// What the table was made for.
+    borders: Vec<u64>,
     table: EdgeTable,
     /// What is drawn with one program and one set of textures: the parts of each list of the plan.
     batches: Vec<Batch>,
@@ -93,6 +95,12 @@ struct BatchKey {
 }
 
 impl Drawing {
+    /// Nothing yet, but the neighbours of the surfaces are known.
+    pub(super) fn of_neighbours(table: EdgeTable, surfaces: &[PreparedSurface]) -> Self {
+        let borders = surfaces.iter().map(|surface| surface.revision().borders).collect();
+        Self { table, borders, ..Self::default() }
+    }
+
     /// Brings everything up to date with the surfaces and the frame. Surfaces whose trims are not there
     /// yet get them.
     pub(crate) fn update(
@@ -151,9 +159,11 @@ impl Drawing {
         if self.revisions.iter().copied().eq(now.clone()) {
             return true;
         }
-        let known = self.revisions.iter().map(|revision| revision.points);
-        if !known.eq(now.clone().map(|revision| revision.points)) {
+        let borders = now.clone().map(|revision| revision.borders);
+        if !self.borders.iter().copied().eq(borders.clone()) {
             self.table = EdgeTable::new(&edge_sources(surfaces));
+            self.borders.clear();
+            self.borders.extend(borders);
         }
         self.revisions.clear();
         self.revisions.extend(now);

@@ -43,8 +43,9 @@ impl PreparedScene {
             Result::Ok(texture)
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
+        let mut drawing = Drawing::default();
         if !scene.surfaces.is_empty() {
-            let centerings = centerings(scene);
+            let (table, centerings) = neighbours(scene);
             let points: Vec<_> =
                 scene.surfaces.iter().map(Surface::control_points).zip(centerings).collect();
             let uploaded = ControlPoints::upload(gl, &points)?;
@@ -52,12 +53,13 @@ impl PreparedScene {
                 let texture = texture(&surface.paint, false)?;
                 surfaces.push(PreparedSurface::with_points(surface.clone(), texture, points)?);
             }
+            drawing = Drawing::of_neighbours(table, &surfaces);
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
             meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
-        Ok(Self { surfaces, meshes, drawing: Drawing::default(), figures: FrameFigures::default() })
+        Ok(Self { surfaces, meshes, drawing, figures: FrameFigures::default() })
     }
 
     pub(super) const fn for_drawing(&mut self) -> (&mut Vec<PreparedSurface>, &mut Drawing) {
@@ -138,9 +140,9 @@ impl PreparedScene {
     }
 }
 
-/// How each surface's control points are centred: each by itself, but those that share edges alike, so
-/// that what they have in common stays the same bit for bit.
-fn centerings(scene: &Scene) -> Vec<Centering> {
+/// Which patches are neighbours, and how each surface's control points are centred: each by itself, but those
+/// that share edges alike, so that what they have in common stays the same bit for bit.
+fn neighbours(scene: &Scene) -> (EdgeTable, Vec<Centering>) {
     let mut transforms: HashMap<[u64; 16], u32> = HashMap::new();
     let sources: Vec<EdgeSource<'_>> = scene
         .surfaces
@@ -152,7 +154,8 @@ fn centerings(scene: &Scene) -> Vec<Centering> {
             EdgeSource { degree: surface.degree(), points: surface.control_points(), group }
         })
         .collect();
-    let groups = EdgeTable::new(&sources).connected(&sources);
+    let table = EdgeTable::new(&sources);
+    let groups = table.connected(&sources);
     let mut members: HashMap<usize, Vec<&Surface>> = HashMap::new();
     for (surface, group) in scene.surfaces.iter().zip(&groups) {
         members.entry(*group).or_default().push(surface);
@@ -163,7 +166,8 @@ fn centerings(scene: &Scene) -> Vec<Centering> {
             (group, Centering::of(surfaces.into_iter().flat_map(Surface::control_points)))
         })
         .collect();
-    groups.iter().map(|group| centered[group]).collect()
+    let centerings = groups.iter().map(|group| centered[group]).collect();
+    (table, centerings)
 }
 
 /// Whether two paints can share a texture: one colour, or one picture in memory.

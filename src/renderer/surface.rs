@@ -31,10 +31,10 @@ pub struct PreparedSurface {
 /// Tells states of surfaces apart: no two have the same numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Revision {
-    /// Of the control points and their place in the world.
-    pub(super) points: u64,
+    /// Of the borders of the patches and their place in the world.
+    pub(super) borders: u64,
     /// Of everything else.
-    pub(super) look: u64,
+    pub(super) rest: u64,
 }
 
 /// A number that was not there before.
@@ -72,7 +72,7 @@ impl PreparedSurface {
             control_points,
             texture,
             uploaded_trims: UploadedTrims::default(),
-            revision: Revision { points: new_number(), look: new_number() },
+            revision: Revision { borders: new_number(), rest: new_number() },
         })
     }
 
@@ -89,7 +89,7 @@ impl PreparedSurface {
     pub fn set_model_matrix(&mut self, matrix: DMat4) -> Result<()> {
         check_transform(&matrix)?;
         self.surface.transform = matrix;
-        self.revision.points = new_number();
+        self.revision.borders = new_number();
         Ok(())
     }
 
@@ -113,33 +113,36 @@ impl PreparedSurface {
         self.surface.set_control_point(point, index)?;
         self.control_points.write(index, point);
         let points = self.surface.control_points();
+        let degree = self.surface.degree();
         if self.control_points.are_off_center(points) {
             self.control_points.recenter(points);
+            self.revision.borders = new_number();
+        } else if degree.is_on_border(index % degree.points()) {
+            self.revision.borders = new_number();
         }
-        let degree = self.surface.degree();
         let patch = index / degree.points();
         let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];
         self.shapes[patch] = Shape::new(degree, points);
-        self.revision.points = new_number();
+        self.revision.rest = new_number();
         Ok(())
     }
 
     /// Gives the surface a picture; several surfaces may share one.
     pub fn set_texture(&mut self, texture: Arc<Texture>) {
         self.texture = texture;
-        self.revision.look = new_number();
+        self.revision.rest = new_number();
     }
 
     /// Chooses the lighting.
     pub fn set_shading(&mut self, shading: Shading) {
         self.surface.shading = shading;
-        self.revision.look = new_number();
+        self.revision.rest = new_number();
     }
 
     /// Chooses what need not be drawn.
     pub fn set_cull(&mut self, cull: Cull) {
         self.surface.cull = cull;
-        self.revision.look = new_number();
+        self.revision.rest = new_number();
     }
 
     /// Replaces all trims and their switches.
@@ -155,7 +158,7 @@ impl PreparedSurface {
     /// The trims, to be changed into others that are valid.
     pub(crate) fn trims_mut(&mut self) -> &mut Trims {
         self.uploaded_trims = UploadedTrims::default();
-        self.revision.look = new_number();
+        self.revision.rest = new_number();
         &mut self.surface.trims
     }
 
