@@ -8,8 +8,8 @@
 
 use std::sync::Arc;
 
-use freeform_surface::{Frame, FreeFormSurface, RenderSettings, Renderer, Scene};
-use glam::dvec2;
+use freeform_surface::glam::{DVec3, dvec2};
+use freeform_surface::{Camera, Frame, FreeFormSurface, RenderSettings, Renderer};
 use glow::{HasContext, PixelPackData};
 use glutin::api::egl::{device::Device, display::Display};
 use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
@@ -74,12 +74,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             surface.set_specific_control_point(raised, index)?;
         }
         surface.circular_trimming(0.2, dvec2(0.5, 0.5))?;
-        let mut scene = Scene::listing16();
-        scene.surfaces[0].transform = glam::DMat4::IDENTITY;
-        let frame = Frame {
-            projection: scene.projection(SIZE as u32, SIZE as u32),
-            settings: RenderSettings::default(),
-        };
+        let points = surface.surface().world_points();
+        let camera = Camera::framing(points.clone(), DVec3::Y, 1.0);
+        let projection = camera.projection(points, 1.0);
+        let frame = Frame { projection, settings: RenderSettings::default() };
         let figures = surface.render(&mut renderer, &frame)?;
         println!("{} triangles in {} draws", figures.triangles, figures.draws);
     }

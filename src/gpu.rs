@@ -29,7 +29,7 @@ pub use program::{Program, ShaderPart, Stage, StageKind};
 pub use texel_buffer::TexelBuffer;
 pub use texture::Texture;
 pub use timer::Timer;
-pub use vertex_array::VertexArray;
+pub(crate) use vertex_array::{Attribute, Vertex, VertexArray};
 
 use crate::error::{Error, Result};
 use crate::tessellation::DrawSize;

@@ -81,6 +81,9 @@ mod surface;
 mod tessellation;
 mod trim;
 
+// The versions that this crate's own types are made of.
+pub use {glam, glow, image};
+
 pub use aov::{AovKind, Aovs};
 pub use bezier::{
     DeCasteljau, Degree, Patch, SurfacePoint, bernstein, check_control_point, de_casteljau,

@@ -21,6 +21,7 @@ use glow::HasContext;
 
 use drawing::Batch;
 pub(crate) use drawing::Drawing;
+use meshes::{BareCorner, FlatCorner, SmoothCorner};
 pub use prepared::PreparedScene;
 use programs::{
     CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TrimFeatures,
@@ -36,7 +37,7 @@ use crate::camera::Projection;
 use crate::error::Result;
 use crate::gpu::{Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory};
 use crate::scene::{CONTROL_POINT_PX, Method, Paint, RenderSettings, Shading};
-use crate::tessellation::{DrawSize, FrameFigures, Parts};
+use crate::tessellation::{DrawSize, FrameFigures, Part, Parts};
 
 /// Everything that is the same for all surfaces of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,11 +102,11 @@ impl Renderer {
             gl: Arc::clone(gl),
             sources,
             programs: HashMap::new(),
-            points_array: VertexArray::of_points(gl)?,
-            parts_array: VertexArray::of_parts(gl)?,
-            corners_array: VertexArray::of_corners(gl)?,
-            flat_array: VertexArray::of_flat_corners(gl)?,
-            bare_array: VertexArray::of_bare_corners(gl)?,
+            points_array: VertexArray::of::<Vec4>(gl, "control points")?,
+            parts_array: VertexArray::of::<Part>(gl, "parts of patches")?,
+            corners_array: VertexArray::of::<SmoothCorner>(gl, "corners of smooth triangles")?,
+            flat_array: VertexArray::of::<FlatCorner>(gl, "corners of flat triangles")?,
+            bare_array: VertexArray::of::<BareCorner>(gl, "bare corners of flat triangles")?,
             line_paint: Paint::Color([1.0, 0.0, 0.0]).upload(gl)?,
             draw_size: draw_size(gl),
         })

@@ -319,6 +319,12 @@ impl FreeFormSurface {
         Ok(())
     }
 
+    /// The surface as it is now; of its paint only what it was made with.
+    #[must_use]
+    pub const fn surface(&self) -> &Surface {
+        self.prepared.surface()
+    }
+
     /// The trims as they are now.
     #[must_use]
     pub const fn trims(&self) -> &Trims {

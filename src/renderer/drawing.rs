@@ -3,6 +3,7 @@
 //! calls alone.
 
 use std::collections::HashMap;
+use std::mem::offset_of;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use super::surface::{PreparedSurface, Revision};
 use crate::bezier::Degree;
 use crate::camera::Projection;
 use crate::error::Result;
-use crate::gpu::{Buffer, TexelBuffer};
+use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
     DrawSize, EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen,
@@ -50,6 +51,13 @@ pub(crate) struct Drawing {
     columns: Vec<Vec4>,
     matrices: Option<TexelBuffer>,
     draws: Vec<Draw>,
+}
+
+impl Vertex for Part {
+    const ATTRIBUTES: &'static [Attribute] = &[
+        Attribute::words(0, 4, offset_of!(Self, first_point)),
+        Attribute::words(1, 4, offset_of!(Self, edges)),
+    ];
 }
 
 /// What a plan was made for.

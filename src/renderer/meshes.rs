@@ -1,6 +1,7 @@
 //! Meshes as smooth triangles: patches of three points, cut by the tessellation stages.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
+use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -15,7 +16,7 @@ use super::{
     DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
 };
 use crate::error::Result;
-use crate::gpu::{Buffer, Target, TexelBuffer, Texture};
+use crate::gpu::{Attribute, Buffer, Target, TexelBuffer, Texture, Vertex};
 use crate::mesh::{Corner, Smoothing};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
@@ -26,7 +27,7 @@ use crate::tessellation::{
 /// A corner of a flat triangle as `triangles/triangle.vert` reads it.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct FlatCorner {
+pub(super) struct FlatCorner {
     /// And s of the texture coordinates.
     position: [f32; 4],
     /// And t.
@@ -36,7 +37,7 @@ struct FlatCorner {
 /// The same without texture coordinates.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct BareCorner {
+pub(super) struct BareCorner {
     position: [f32; 3],
     normal: [f32; 3],
 }
@@ -44,11 +45,35 @@ struct BareCorner {
 /// A corner of a smooth triangle.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct SmoothCorner {
+pub(super) struct SmoothCorner {
     flat: FlatCorner,
     /// The normal here that shapes the edge to the next corner, and the edge from the one before.
     leaving: [f32; 3],
     arriving: [f32; 3],
+}
+
+impl Vertex for FlatCorner {
+    const ATTRIBUTES: &'static [Attribute] = &[
+        Attribute::floats(0, 4, offset_of!(Self, position)),
+        Attribute::floats(1, 4, offset_of!(Self, normal)),
+    ];
+}
+
+/// OpenGL makes the fourth numbers 1.
+impl Vertex for BareCorner {
+    const ATTRIBUTES: &'static [Attribute] = &[
+        Attribute::floats(0, 3, offset_of!(Self, position)),
+        Attribute::floats(1, 3, offset_of!(Self, normal)),
+    ];
+}
+
+impl Vertex for SmoothCorner {
+    const ATTRIBUTES: &'static [Attribute] = &[
+        Attribute::floats(0, 4, offset_of!(Self, flat.position)),
+        Attribute::floats(1, 4, offset_of!(Self, flat.normal)),
+        Attribute::floats(2, 3, offset_of!(Self, leaving)),
+        Attribute::floats(3, 3, offset_of!(Self, arriving)),
+    ];
 }
 
 /// A draw call: so many triangles from this one on.

@@ -7,7 +7,7 @@ use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use crate::bezier::homogeneous;
 use crate::error::Result;
-use crate::gpu::{Buffer, TexelBuffer};
+use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
 
 /// A box of control points, moved to the origin and scaled to about ±1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,6 +40,11 @@ impl Centering {
     pub(crate) fn apply(self, point: DVec4) -> Vec4 {
         homogeneous(((point.truncate() - self.center) / self.scale).extend(point.w)).as_vec4()
     }
+}
+
+/// A control point, homogeneous.
+impl Vertex for Vec4 {
+    const ATTRIBUTES: &'static [Attribute] = &[Attribute::floats(0, 4, 0)];
 }
 
 /// The control points of a surface, in a buffer that several surfaces may share.

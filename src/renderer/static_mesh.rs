@@ -2,6 +2,7 @@
 //! measured against.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
+use std::mem::offset_of;
 use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
@@ -11,7 +12,7 @@ use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::{Frame, Renderer, set_depth, set_for_aovs, set_lights};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
-use crate::gpu::{Buffer, FloatTarget, Target, Texture, VertexArray};
+use crate::gpu::{Attribute, Buffer, FloatTarget, Target, Texture, Vertex, VertexArray};
 use crate::scene::{Method, Shading};
 
 /// A corner of triangles.
@@ -28,6 +29,14 @@ pub struct StaticVertex {
     pub v: f32,
     /// The patch's number in the scene.
     pub patch: u32,
+}
+
+impl Vertex for StaticVertex {
+    const ATTRIBUTES: &'static [Attribute] = &[
+        Attribute::floats(0, 4, offset_of!(Self, position)),
+        Attribute::floats(1, 4, offset_of!(Self, normal)),
+        Attribute::words(2, 1, offset_of!(Self, patch)),
+    ];
 }
 
 /// Triangles in the driver's memory.
@@ -56,7 +65,7 @@ impl StaticMesh {
             vertices: Buffer::new(gl, "vertices of triangles", vertices)?,
             indices: Buffer::new(gl, "indices of triangles", indices)?,
             count: indices.len(),
-            array: VertexArray::of_static(gl)?,
+            array: VertexArray::of::<StaticVertex>(gl, "static triangles")?,
         })
     }
 

@@ -75,6 +75,7 @@ impl Piece {
     ///
     /// The half-open test of the row and the box decide topology on stored bits alone. In the box
     /// the curve lies on one side of its chord.
+    #[inline]
     pub(super) fn crosses(&self, uv: Vec2) -> bool {
         if (self.low.y <= uv.y) == (self.high.y <= uv.y) {
             return false;
