@@ -1,11 +1,11 @@
 //! The imports of the code against the floors that `ARCHITECTURE.md` names.
 
-mod common;
-
 use std::collections::HashMap;
 use std::path::Path;
 
-use common::root;
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
 
 /// The floors of the tables of `ARCHITECTURE.md`, library and program.
 fn floors() -> Vec<HashMap<String, u32>> {
