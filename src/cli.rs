@@ -56,7 +56,7 @@ enum Command {
 #[derive(Debug, Args)]
 struct RenderArguments {
     /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for a triangle mesh; "-" reads the text
-    /// of a .toml or .bpt scene from standard input.
+    /// of a scene of any of these kinds from standard input.
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,
 

@@ -23,7 +23,7 @@ use crate::error::Result;
 use crate::mesh::{CreaseAngle, Smoothing};
 use crate::trim::Circle;
 
-use file::{check_is_file, extension, read_text, unreadable};
+use file::{BYTE_ORDER_MARK, check_is_file, extension, read_text, unreadable};
 pub use model::{Material, MeshModel};
 pub(crate) use settings::CONTROL_POINT_PX;
 pub use settings::{
@@ -93,14 +93,19 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Parses the text of a scene whose kind is told by its beginning: a `.bpt` file begins with a number.
+    /// Parses the text of a scene whose kind is told by its beginning: a `.bpt` file begins with a number,
+    /// an `.obj` file with one of its keywords.
     /// Files it names are found relative to the current folder; `name` stands in the errors.
     ///
     /// # Errors
     /// As [`Scene::load`].
     pub fn from_text(text: &str, name: &Path, options: &LoadOptions) -> Result<Self> {
+        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let mut scene = if text.trim_start().starts_with(|first: char| first.is_ascii_digit()) {
             Self::from_bpt(text, name)?
+        } else if obj::is_obj(text) {
+            let crease = options.crease.unwrap_or_default();
+            Self::with_obj(obj::parse(text, name, crease, Smoothing::None)?, name)
         } else {
             document::parse(text, name, options)?
         };
@@ -156,9 +161,12 @@ impl Scene {
     /// Surfaces and a mesh as they are, its normals interpolated: what the file says.
     fn of_obj(path: &Path, options: &LoadOptions) -> Result<Self> {
         let crease = options.crease.unwrap_or_default();
-        let obj::ObjScene { surfaces, model, files } = obj::load(path, crease, Smoothing::None)?;
+        Ok(Self::with_obj(obj::load(path, crease, Smoothing::None)?, path))
+    }
+
+    fn with_obj(obj::ObjScene { surfaces, model, files }: obj::ObjScene, path: &Path) -> Self {
         let meshes = model.into_iter().collect();
-        Ok(Self { files, surfaces, meshes, ..Self::empty(path) })
+        Self { files, surfaces, meshes, ..Self::empty(path) }
     }
 
     /// Nothing yet of a file.

@@ -48,12 +48,12 @@ fn standard_output_gets_the_picture_and_nothing_else() {
 #[test]
 fn a_scene_comes_from_standard_input() {
     let folder = Folder::new();
-    folder.write("a.toml", SCENE);
     let patch: String = (0..16).map(|i| format!("{} {} 0\n", i % 4, i / 4)).collect();
     let patch = format!("\n1\n3 3\n{patch}");
-    folder.write("b.bpt", &patch);
     let size = ["--resolution", "32x24"];
-    for (name, text) in [("a.toml", SCENE), ("b.bpt", patch.as_str())] {
+    let face = "\u{feff}# a face\n\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for (name, text) in [("a.toml", SCENE), ("b.bpt", patch.as_str()), ("c.obj", face)] {
+        folder.write(name, text);
         let output = folder.run_with(&[&["render", "-", "-o", "in.png"][..], &size].concat(), text);
         assert!(output.status.success(), "{output:?}");
         assert!(
@@ -67,7 +67,7 @@ fn a_scene_comes_from_standard_input() {
     assert!(folder.path("freeform.png").exists());
     for (scenes, text, words) in [
         (&["-"][..], "", "cannot read standard input: it is empty"),
-        (&["-"], "[[surface]]\nx = 1\n", "standard input:2: "),
+        (&["-"], "# v\n\nv = 1\n", "standard input:3: "),
         (&["-", "-"], SCENE, "standard input once"),
     ] {
         let output = folder.run_with(&[&["render"], scenes].concat(), text);

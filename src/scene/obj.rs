@@ -34,7 +34,37 @@ pub(super) struct ObjScene {
 
 /// Reads a file's surfaces and faces; a file without any of them is refused.
 pub(super) fn load(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Result<ObjScene> {
-    let mut obj = open(path)?;
+    scene_of(open(path)?, path, crease, smoothing)
+}
+
+/// The same of a text; `path` stands in the errors, and libraries are looked for beside it.
+pub(super) fn parse(
+    text: &str,
+    path: &Path,
+    crease: CreaseAngle,
+    smoothing: Smoothing,
+) -> Result<ObjScene> {
+    scene_of(Obj::read(text.as_bytes(), path)?, path, crease, smoothing)
+}
+
+/// Whether a text begins with a statement of OBJ, behind comments.
+pub(super) fn is_obj(text: &str) -> bool {
+    const KEYWORDS: [&str; 14] =
+        ["v", "vn", "vt", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "cstype", "deg"];
+    let mut lines = text.lines().map(str::trim);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with('#')).unwrap_or_default();
+    let mut words = first.split_whitespace();
+    // A key of TOML is followed by an equals sign.
+    words.next().is_some_and(|word| KEYWORDS.contains(&word))
+        && words.next().is_none_or(|word| !word.starts_with('='))
+}
+
+fn scene_of(
+    mut obj: Obj,
+    path: &Path,
+    crease: CreaseAngle,
+    smoothing: Smoothing,
+) -> Result<ObjScene> {
     let mut materials = Materials::default();
     for library in std::mem::take(&mut obj.libraries) {
         materials.read(&material::beside(path, &library));
