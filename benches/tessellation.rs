@@ -80,7 +80,7 @@ impl<'a> Drawn<'a> {
 
     fn triangles(&mut self) -> u64 {
         self.draw();
-        self.prepared.figures().triangles
+        self.prepared.stats().triangles
     }
 }
 
@@ -161,7 +161,7 @@ fn teapot(gl: &Arc<glow::Context>) {
         scene.settings.tessellation = level(*cells);
         let mut drawn = Drawn::new(gl, &scene, size);
         drawn.draw();
-        drawn.prepared.figures().largest_bound.is_some_and(|bound| bound <= 0.5)
+        drawn.prepared.stats().largest_bound.is_some_and(|bound| bound <= 0.5)
     });
     let enough = enough.unwrap_or(64);
     scene.settings.tessellation = level(enough);
@@ -248,7 +248,7 @@ fn out_of_sight(gl: &Arc<glow::Context>) {
         drawn.draw();
     };
     let ms = in_turns(&mut [&mut || step(&mut whole), &mut || step(&mut seen)]);
-    let culled = whole.prepared.figures().culled;
+    let culled = whole.prepared.stats().culled;
     line(
         &format!("10,000 patches, {culled} out of sight / the others alone"),
         ms[0] / ms[1],

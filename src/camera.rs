@@ -45,14 +45,14 @@ pub struct Camera {
 
 /// View and projection matrix of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Projection {
+pub struct ViewProjection {
     /// World space to view space.
     pub view: DMat4,
     /// View space to clip space.
     pub projection: DMat4,
 }
 
-impl Projection {
+impl ViewProjection {
     /// What the distance along the view axis is multiplied by to become a depth from 0 to 1, if the clip planes of
     /// a perspective are so far apart that this is needed; else depth is OpenGL's.
     pub(crate) fn depth_scale(&self) -> Option<f64> {
@@ -228,7 +228,7 @@ impl Camera {
     /// The matrices for a picture of `aspect` (width over height), with clip planes that hold all
     /// `points` in front of the eye.
     #[must_use]
-    pub fn projection(&self, points: impl Iterator<Item = DVec3>, aspect: f64) -> Projection {
+    pub fn projection(&self, points: impl Iterator<Item = DVec3>, aspect: f64) -> ViewProjection {
         let view = look_at_mat4(self.eye, self.target, self.up);
         let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
         // The nearest point that may be in the picture or beside it.
@@ -282,7 +282,7 @@ impl Camera {
                 )
             }
         };
-        Projection { view, projection }
+        ViewProjection { view, projection }
     }
 }
 

@@ -89,7 +89,7 @@ pub use bezier::{
     DeCasteljau, Degree, Patch, SurfacePoint, bernstein, check_control_point, de_casteljau,
     homogeneous,
 };
-pub use camera::{Camera, Lens, Projection};
+pub use camera::{Camera, Lens, ViewProjection};
 pub use error::{Error, Result};
 #[cfg(feature = "headless")]
 pub use headless::{Backend, Headless};
@@ -104,7 +104,7 @@ pub use scene::{
     default_control_points, load_texture,
 };
 pub use surface::FreeFormSurface;
-pub use tessellation::FrameFigures;
+pub use tessellation::FrameStats;
 pub use trim::{
     Circle, Ellipse, FillRule, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop,
     TrimPath, Trims, inside_loops, ray_crossings, winding_number,

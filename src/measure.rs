@@ -5,18 +5,18 @@
 //! off, and compares what is drawn at all with the scene's [`Coverage`]. [`random_view`] makes
 //! cameras to look from; [`in_turns`] tells what drawing costs on a noisy machine.
 
-mod turns;
+mod interleave;
 mod views;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use crate::aov::Aovs;
 use crate::bezier::Patch;
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::scene::{Scene, Surface, Tessellation};
 
-pub use turns::{Timing, in_turns, in_turns_by};
+pub use interleave::{Timing, in_turns, in_turns_by};
 pub use views::random_view;
 
 /// The angle between tangents whose sine is below this leaves the normal open.
@@ -91,7 +91,7 @@ impl Measurement {
 #[must_use]
 pub fn measure(
     scene: &Scene,
-    projection: &Projection,
+    projection: &ViewProjection,
     aovs: &Aovs,
     reference: &Coverage,
 ) -> Measurement {
@@ -131,14 +131,14 @@ fn is_hidden(reference: &Coverage, shown: f64, [x, y]: [u32; 2]) -> bool {
 /// Measures what is drawn in a picture of a scene, as [`measure()`] does, but not what is missing: without
 /// a reference nothing is said of silhouettes and cracks.
 #[must_use]
-pub fn measure_drawn(scene: &Scene, projection: &Projection, aovs: &Aovs) -> Measurement {
+pub fn measure_drawn(scene: &Scene, projection: &ViewProjection, aovs: &Aovs) -> Measurement {
     measure_points(scene, projection, aovs, |_, _| {})
 }
 
 /// Measures what is drawn, and hands on how far along the view axis the points are that pixels claim to show.
 fn measure_points(
     scene: &Scene,
-    projection: &Projection,
+    projection: &ViewProjection,
     aovs: &Aovs,
     mut with_distance: impl FnMut(usize, f64),
 ) -> Measurement {
@@ -172,7 +172,12 @@ fn measure_points(
 }
 
 /// Whether the surface itself has a gap that a pixel may show: within the scene's tolerance.
-fn shows_a_gap(scene: &Scene, projection: &Projection, size: (u32, u32), pixel: [u32; 2]) -> bool {
+fn shows_a_gap(
+    scene: &Scene,
+    projection: &ViewProjection,
+    size: (u32, u32),
+    pixel: [u32; 2],
+) -> bool {
     let settings = &scene.settings;
     let radius_px = match settings.tessellation {
         Tessellation::Within(tolerance) => tolerance.pixels().max(1.5),
@@ -201,7 +206,7 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn of(surface: &'a Surface, projection: &Projection) -> impl Iterator<Item = Self> {
+    fn of(surface: &'a Surface, projection: &ViewProjection) -> impl Iterator<Item = Self> {
         let to_view = projection.view * surface.transform;
         let to_clip = projection.projection * to_view;
         let to_world = DMat3::from_mat4(surface.transform);
@@ -271,7 +276,7 @@ mod tests {
 
     /// A unit square in z = 0 with x = u and y = v, seen from above: 20 pixels a unit, the square
     /// in pixels 10 … 30.
-    fn square() -> (Scene, Projection) {
+    fn square() -> (Scene, ViewProjection) {
         let points = (0..16)
             .map(|i| DVec4::new(f64::from(i % 4) / 3.0, f64::from(i / 4) / 3.0, 0.0, 1.0))
             .collect();

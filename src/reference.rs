@@ -17,7 +17,7 @@ mod thesis;
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 
 use crate::bezier::{Patch, homogeneous};
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::{CONTROL_POINT_PX, Image, Method, RenderSettings, Scene, Surface};
 use crate::tessellation::{FixedParts, Parts};
@@ -191,7 +191,7 @@ impl<'a> TrimDecision<'a> {
 struct SurfaceView<'a> {
     surface: &'a Surface,
     to_view: DMat4,
-    projection: &'a Projection,
+    projection: &'a ViewProjection,
     lights: [DVec3; 2],
     trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
@@ -203,7 +203,7 @@ struct SurfaceView<'a> {
 impl<'a> SurfaceView<'a> {
     fn new(
         surface: &'a Surface,
-        projection: &'a Projection,
+        projection: &'a ViewProjection,
         settings: &RenderSettings,
         method: Method,
     ) -> Result<Self> {

@@ -2,15 +2,15 @@
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 mod aovs;
-mod drawing;
+mod capture;
+mod draw_list;
 mod meshes;
+mod multisample;
 mod points;
 mod prepared;
 pub mod programs;
-mod smooth;
 mod static_mesh;
 mod surface;
-mod triangles;
 mod trims;
 
 use std::collections::HashMap;
@@ -19,31 +19,31 @@ use std::sync::Arc;
 use glam::{DMat4, Mat4, Vec4};
 use glow::HasContext;
 
-use drawing::Batch;
-pub(crate) use drawing::Drawing;
+pub use capture::DrawnVertex;
+use capture::Feedback;
+use draw_list::Batch;
+pub(crate) use draw_list::DrawList;
 use meshes::{BareCorner, FlatCorner, SmoothCorner};
+pub use multisample::sample_offsets;
 pub use prepared::PreparedScene;
 use programs::{
     CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TrimFeatures,
     location,
 };
-pub use smooth::sample_offsets;
 pub use static_mesh::{StaticLook, StaticMesh, StaticVertex};
 pub use surface::PreparedSurface;
-pub use triangles::DrawnVertex;
-use triangles::Feedback;
 
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory};
 use crate::scene::{CONTROL_POINT_PX, Method, Paint, RenderSettings, Shading};
-use crate::tessellation::{DrawSize, FrameFigures, Part, Parts};
+use crate::tessellation::{DrawSize, FrameStats, Part, Parts};
 
 /// Everything that is the same for all surfaces of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
     /// Where the picture is seen from.
-    pub projection: Projection,
+    pub projection: ViewProjection,
     /// How it is drawn.
     pub settings: RenderSettings,
 }
@@ -167,17 +167,17 @@ impl Renderer {
     pub(crate) fn draw_surfaces(
         &mut self,
         surfaces: &mut [PreparedSurface],
-        drawing: &mut Drawing,
+        drawing: &mut DrawList,
         frame: &Frame,
         output: Output,
-    ) -> Result<FrameFigures> {
+    ) -> Result<FrameStats> {
         match frame.settings.method {
             Method::Thesis => self.draw_ported(surfaces, frame, output),
             Method::Exact => {
                 let target = Target::bound(&self.gl);
                 drawing.update(&self.gl, surfaces, frame, target.size, self.draw_size)?;
                 self.draw_exact(surfaces, drawing, frame, &target, output, None)?;
-                Ok(drawing.figures())
+                Ok(drawing.stats())
             }
         }
     }
@@ -188,8 +188,8 @@ impl Renderer {
         surfaces: &mut [PreparedSurface],
         frame: &Frame,
         output: Output,
-    ) -> Result<FrameFigures> {
-        let mut figures = FrameFigures::default();
+    ) -> Result<FrameStats> {
+        let mut figures = FrameStats::default();
         for surface in surfaces {
             surface.upload_trims(&self.gl, &frame.settings)?;
             self.draw_ported_surface(surface, frame, output, &mut figures)?;
@@ -203,7 +203,7 @@ impl Renderer {
         surface: &PreparedSurface,
         frame: &Frame,
         output: Output,
-        figures: &mut FrameFigures,
+        figures: &mut FrameStats,
     ) -> Result<()> {
         let Some(trims) = &surface.uploaded_trims().thesis else { return Ok(()) };
         let aov = output == Output::Aovs;
@@ -243,7 +243,7 @@ impl Renderer {
         let side = surface.degree().points();
         self.set_state(side, settings.wireframe);
         let at_once = parts.patches_per_draw(settings.wireframe);
-        let patches = surface.shapes().len();
+        let patches = surface.cones().len();
         self.points_array.bind(surface.uploaded_points().buffer());
         for domain in parts.domains() {
             program.set_vec3(location::PART, domain);
@@ -272,7 +272,7 @@ impl Renderer {
     fn draw_exact(
         &mut self,
         surfaces: &[PreparedSurface],
-        drawing: &Drawing,
+        drawing: &DrawList,
         frame: &Frame,
         target: &Target,
         output: Output,
@@ -451,7 +451,7 @@ fn set_for_aovs(program: &Program, frame: &Frame, target: &Target) {
     program.set_vec4(location::VIEWPORT, target.viewport());
 }
 
-/// Sets the matrices of one surface or mesh by their columns ([`drawing::matrices`]). Its normals are turned
+/// Sets the matrices of one surface or mesh by their columns ([`draw_list::matrices`]). Its normals are turned
 /// round where `sign` is −1.
 fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
     let matrix = |first: usize| {
@@ -465,7 +465,7 @@ fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
 
 /// Sets the listings' matrices. Their world begins at the eye: what is far from the origin would lose its digits
 /// in `f32` else.
-fn set_matrices(program: &Program, model: &DMat4, projection: &Projection) {
+fn set_matrices(program: &Program, model: &DMat4, projection: &ViewProjection) {
     let eye = projection.view.inverse().w_axis.truncate();
     let to_eye = DMat4::from_translation(-eye);
     program.set_mat4(location::MODEL, &(to_eye * *model).as_mat4());

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3, dvec2, dvec3};
 
 use crate::bezier::Degree;
-use crate::camera::{Camera, Projection};
+use crate::camera::{Camera, ViewProjection};
 use crate::error::Result;
 use crate::mesh::{CreaseAngle, Smoothing};
 use crate::trim::Circle;
@@ -183,7 +183,7 @@ impl Scene {
 
     /// The matrices of a picture of so many pixels.
     #[must_use]
-    pub fn projection(&self, width: u32, height: u32) -> Projection {
+    pub fn projection(&self, width: u32, height: u32) -> ViewProjection {
         let aspect = f64::from(width) / f64::from(height);
         let points = self.surfaces.iter().flat_map(Surface::world_points);
         let points = points.chain(self.meshes.iter().flat_map(MeshModel::world_hull));

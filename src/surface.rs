@@ -8,9 +8,9 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 use crate::bezier::Degree;
 use crate::error::{Error, Result};
 use crate::gpu::Texture;
-use crate::renderer::{Drawing, Frame, PreparedSurface, Renderer, programs::Output};
+use crate::renderer::{DrawList, Frame, PreparedSurface, Renderer, programs::Output};
 use crate::scene::{Cull, RenderSettings, Shading, Surface, default_control_points};
-use crate::tessellation::FrameFigures;
+use crate::tessellation::FrameStats;
 use crate::trim::{Circle, Ellipse, Interval, Keep, Segment, TrimLoop, Trims, holds};
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
@@ -24,7 +24,7 @@ pub struct FreeFormSurface {
     /// Segments of all loops.
     segments: usize,
     /// What is kept from frame to frame.
-    drawing: Drawing,
+    drawing: DrawList,
 }
 
 impl FreeFormSurface {
@@ -67,7 +67,7 @@ impl FreeFormSurface {
     ) -> Result<Self> {
         let segments = surface.trims.segment_count();
         let prepared = PreparedSurface::new(renderer.gl(), surface, texture)?;
-        Ok(Self { prepared, segments, drawing: Drawing::default() })
+        Ok(Self { prepared, segments, drawing: DrawList::default() })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
@@ -76,7 +76,7 @@ impl FreeFormSurface {
     /// # Errors
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.
-    pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameFigures> {
+    pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameStats> {
         let surfaces = std::slice::from_mut(&mut self.prepared);
         let figures =
             renderer.draw_surfaces(surfaces, &mut self.drawing, frame, Output::Picture)?;

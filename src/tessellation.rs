@@ -6,15 +6,15 @@
 
 mod bound;
 mod edges;
+mod normal_cone;
 mod parts;
 mod plan;
-mod shape;
 mod triangle;
 
 pub(crate) use bound::{Rounding, Screen};
 pub(crate) use edges::{EdgeSource, EdgeTable};
+pub(crate) use normal_cone::{Eye, NormalCone};
 pub(crate) use parts::{DrawSize, FixedParts, Parts, TrimParts, parts_of_next_draw};
-pub use plan::FrameFigures;
+pub use plan::FrameStats;
 pub(crate) use plan::{Lists, Part, Plan, SurfacePatches, raise};
-pub(crate) use shape::{Eye, Shape};
 pub(crate) use triangle::{TriangleBound, triangles_of_triangle, vertices_of_triangle};

@@ -7,13 +7,13 @@ mod exact;
 mod fill;
 mod grid;
 mod inside;
-mod lattice;
 mod newton;
 mod path;
 mod pieces;
 mod shapes;
 #[cfg(feature = "svg")]
 mod svg;
+mod uniform_grid;
 
 use glam::DVec2;
 

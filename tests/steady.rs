@@ -185,7 +185,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     let frame = Frame { projection: scene.projection(1920, 1080), settings: scene.settings };
     let mut triangles = |pulled: &mut PreparedScene| {
         let _ = pulled.draw(&mut renderer, &frame).unwrap();
-        pulled.figures().triangles
+        pulled.stats().triangles
     };
     let first = triangles(&mut pulled);
     let rooms = ROOMS.load(Relaxed);

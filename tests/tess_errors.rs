@@ -268,7 +268,7 @@ fn every_scene_is_within_its_tolerance_from_everywhere() {
                 let frame = Frame { projection, settings: within(tolerance) };
                 let aovs = stage.aovs(&mut prepared, &frame);
                 all += 1;
-                if prepared.figures().unmet.is_some() {
+                if prepared.stats().unmet.is_some() {
                     unmet += 1;
                     continue;
                 }

@@ -5,7 +5,7 @@
 mod common;
 
 use freeform_surface::measure::Measurement;
-use freeform_surface::{Frame, FrameFigures, Method, Scene};
+use freeform_surface::{Frame, FrameStats, Method, Scene};
 use glam::uvec2;
 
 use common::tess::{Stage, within};
@@ -45,13 +45,13 @@ fn scene(name: &str) -> Scene {
     load(&root().join("resources/scenes/stability").join(format!("tess-{name}.toml")))
 }
 
-fn draw(scene: &Scene, method: Method) -> (Measurement, FrameFigures) {
+fn draw(scene: &Scene, method: Method) -> (Measurement, FrameStats) {
     let mut stage = Stage::new(uvec2(480, 300));
     let mut prepared = stage.prepared(scene);
     let mut settings = within(0.5);
     settings.method = method;
     let frame = Frame { projection: stage.projection(scene), settings };
-    (stage.measured(scene, &mut prepared, &frame), prepared.figures())
+    (stage.measured(scene, &mut prepared, &frame), prepared.stats())
 }
 
 fn check(name: &str, thesis: &[Fault]) {

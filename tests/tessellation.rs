@@ -313,7 +313,7 @@ fn half_a_pixel_of_the_teapot_takes_45_000_triangles() {
     let scene = load(&root().join("resources/scenes/gallery/teapot.toml"));
     let mut prepared = stage.prepared(&scene);
     stage.picture(&mut prepared, &stage.frame(&scene));
-    let figures = prepared.figures();
+    let figures = prepared.stats();
     assert_eq!((figures.patches, figures.culled, figures.unmet), (32, 0, None), "{figures:?}");
     assert!((1_000..=45_000).contains(&figures.triangles), "{figures:?}");
     assert!(figures.largest_bound.is_some_and(|bound| bound <= 0.5), "{figures:?}");
@@ -350,7 +350,7 @@ fn draws_of_many_patches_are_few_and_whole() {
         let wrong = found.crack_pixels + found.hidden_pixels + found.bad_values;
         assert_eq!(wrong, 0, "{found:?}");
         assert!(found.max_error_px <= 0.5, "{found:?}");
-        let figures = prepared.figures();
+        let figures = prepared.stats();
         assert_eq!((figures.patches, figures.culled), (side * side, 0), "{figures:?}");
         // A patch of n × m cells has somewhat more than n · m vertices, half as many as triangles.
         let (draws, vertices) = (figures.draws as u64, figures.triangles / 2);
@@ -402,7 +402,7 @@ fn patches_out_of_sight_are_culled_and_not_missed() {
 
         let mut prepared = stage.prepared(&scene);
         let picture = stage.picture(&mut prepared, &frame);
-        let figures = prepared.figures();
+        let figures = prepared.stats();
         assert_eq!(figures.patches, SIDE * SIDE);
         // Of the others all parts may be out of sight.
         let not_culled = figures.patches - figures.culled;
@@ -485,7 +485,7 @@ fn backs_of_a_closed_box_need_not_be_drawn() {
             let [all, fronts] = [Cull::None, Cull::Back].map(|cull| {
                 prepared.surfaces_mut()[0].set_cull(cull);
                 let picture = stage.picture(&mut prepared, &frame);
-                (picture, prepared.figures())
+                (picture, prepared.stats())
             });
             assert_eq!(all.1.culled, 0);
             assert!(count_drawn(&all.0) > 10_000);
@@ -500,7 +500,7 @@ fn backs_of_a_closed_box_need_not_be_drawn() {
                 let found = stage.measured(&scene, &mut prepared, &Frame { settings, ..frame });
                 let wrong = found.crack_pixels + found.hidden_pixels;
                 assert!(found.max_error_px <= 0.5 && wrong == 0, "{found:?}");
-                assert!(prepared.figures().culled == fronts.1.culled);
+                assert!(prepared.stats().culled == fronts.1.culled);
             } else if fronts.1.culled > 0 {
                 assert_ne!(all.0, fronts.0, "fronts were left out and not missed");
             }
@@ -519,7 +519,7 @@ fn backs_of_rational_patches_are_drawn() {
     let mut prepared = stage.prepared(&scene);
     let picture = stage.picture(&mut prepared, &stage.frame(&scene));
     assert!(count_drawn(&picture) > 5_000);
-    assert_eq!(prepared.figures().culled, 0);
+    assert_eq!(prepared.stats().culled, 0);
 }
 
 #[test]
@@ -538,7 +538,7 @@ fn a_changed_control_point_draws_as_in_a_new_scene() {
         let mut fresh = stage.prepared(&scene);
         let expected = stage.picture(&mut fresh, &frame);
         assert_same("changed", &expected, &changed, &[], 0);
-        assert_eq!(prepared.figures(), fresh.figures());
+        assert_eq!(prepared.stats(), fresh.stats());
         assert_ne!(changed, before);
         before = changed;
     }
@@ -557,7 +557,7 @@ fn check_moved_by(distance: f64) {
     }
     let frame = stage.frame(&scene);
     let found = stage.measured(&scene, &mut prepared, &frame);
-    let figures = prepared.figures();
+    let figures = prepared.stats();
     assert!(found.covered > 10_000 && figures.unmet.is_none(), "{found:?} {figures:?}");
     let wrong = found.crack_pixels + found.hidden_pixels;
     assert!(found.max_error_px <= 0.5 && wrong == 0, "{found:?} {figures:?}");

@@ -73,7 +73,7 @@ fn everything_that_is_drawn_is_within_the_tolerance() {
                     let frame = Frame { settings, ..stage.frame(&scene) };
                     let drawn = stage.triangles(&mut prepared, &frame);
                     let _ = stage.picture(&mut prepared, &frame);
-                    let figures = prepared.figures();
+                    let figures = prepared.stats();
                     if figures.unmet.is_some() {
                         unmet += 1;
                         continue;
@@ -120,7 +120,7 @@ fn check_no_background_inside(name: &str, mesh: &Mesh, views: usize, is_round: b
                 if is_round {
                     assert_eq!(holes(&picture), Vec::<Vec<(u32, u32)>>::new(), "{name}");
                 }
-                if prepared.figures().largest_bound.is_some_and(|bound| bound <= 1.0) {
+                if prepared.stats().largest_bound.is_some_and(|bound| bound <= 1.0) {
                     assert_eq!(cracks(&picture, &pieces, &frame, stage.size), 0, "{name}");
                     near_enough += 1;
                     if is_round {

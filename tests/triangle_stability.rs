@@ -56,7 +56,7 @@ fn holds(name: &str, open: usize) {
             if index == 0 {
                 assert!(count_drawn(&picture) > 3_000, "{name}");
             }
-            let (figures, drawn) = (prepared.figures(), stage.triangles(&mut prepared, &frame));
+            let (figures, drawn) = (prepared.stats(), stage.triangles(&mut prepared, &frame));
             // Near views may reach the limit of 64 levels, never the scene's own.
             assert!(index > 0 || figures.unmet.is_none(), "{name}: {figures:?}");
             if figures.largest_bound.is_some_and(|bound| bound <= 1.0) {

@@ -258,7 +258,7 @@ fn meshes_and_surfaces_share_a_scene() {
     let mut prepared = stage.prepared(&both);
     let frame = stage.frame(&both);
     let picture = stage.picture(&mut prepared, &frame);
-    let figures = prepared.figures();
+    let figures = prepared.stats();
     assert!(count_drawn(&picture) > 2_000);
     // The second mesh is out of sight, the first is not.
     assert_eq!((figures.patches, figures.culled), (32 + 2 * 256, 256));
@@ -298,7 +298,7 @@ fn meshes_out_of_sight_are_culled_and_others_are_not_missed() {
         scene.camera = Some(view(&pieces, &mut random, Look::Near));
         let frame = stage.frame(&scene);
         stage.picture(&mut prepared, &frame);
-        culled += prepared.figures().culled;
+        culled += prepared.stats().culled;
         let drawn = stage.triangles(&mut prepared, &frame);
         let to_clip = to_clip(&frame);
         for (number, piece) in (0..).zip(&pieces) {
@@ -317,7 +317,7 @@ fn meshes_out_of_sight_are_culled_and_others_are_not_missed() {
     scene.camera = Some(away);
     let frame = stage.frame(&scene);
     assert_eq!(count_drawn(&stage.picture(&mut prepared, &frame)), 0);
-    let figures = prepared.figures();
+    let figures = prepared.stats();
     assert_eq!((figures.culled, figures.draws, figures.triangles), (260, 0, 0));
 }
 
@@ -330,7 +330,7 @@ fn a_level_of_its_own_wins_and_lines_show_it() {
     let mut prepared = stage.prepared(&scene);
     let mut frame = stage.frame(&scene);
     let filled = stage.picture(&mut prepared, &frame);
-    assert_eq!(prepared.figures().triangles, 20 * 6);
+    assert_eq!(prepared.stats().triangles, 20 * 6);
     frame.settings.wireframe = true;
     let lines = stage.picture(&mut prepared, &frame);
     let [filled, lines] = [filled, lines].map(|picture| count_drawn(&picture));
@@ -344,5 +344,5 @@ fn empty_scenes_have_no_mesh() {
     let mut prepared = stage.prepared(&scene);
     let frame = stage.frame(&scene);
     assert_eq!(count_drawn(&stage.picture(&mut prepared, &frame)), 0);
-    assert_eq!(prepared.figures().patches, 0);
+    assert_eq!(prepared.stats().patches, 0);
 }

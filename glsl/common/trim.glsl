@@ -1,5 +1,5 @@
 // The exact method's trims: what is cut out of the domain, right at every sample. Keep in step with
-// src/trim/{exact,grid,lattice,pieces,shapes}.rs, which decide bit for bit alike; grid.rs says what
+// src/trim/{exact,grid,uniform_grid,pieces,shapes}.rs, which decide bit for bit alike; grid.rs says what
 // the words mean and why.
 //
 // Compiled in is what a surface has: LOOPS with LOOP_COLUMNS, columns and rows of their cells;

@@ -168,7 +168,7 @@ impl<'a> Bench<'a> {
             let what = format!("numbers for {width}x{height} pixels");
             return Err(Error::Driver { what, reason: complaints.join("; ") });
         }
-        let figures = prepared.figures();
+        let figures = prepared.stats();
         Ok((measurement, figures.triangles, times[FRAMES / 2].as_secs_f64() * 1e3, figures.unmet))
     }
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
 use freeform_surface::{
-    Backend, Error, Frame, FrameFigures, Headless, Image, PreparedScene, Renderer, Result, Samples,
+    Backend, Error, Frame, FrameStats, Headless, Image, PreparedScene, Renderer, Result, Samples,
     Scene, Tessellation,
 };
 use indicatif::{ProgressBar, ProgressStyle};
@@ -91,7 +91,7 @@ struct Times {
     frame: Duration,
     picture: Duration,
     write: Duration,
-    figures: FrameFigures,
+    figures: FrameStats,
 }
 
 /// A context and a target that one scene after the other is drawn into.
@@ -213,7 +213,7 @@ impl Job {
         let image =
             prepared.picture(&mut self.renderer, &self.target, &frame, |_, _| bar.inc(1))?;
         times.picture = start.elapsed();
-        times.figures = prepared.figures();
+        times.figures = prepared.stats();
         let complaints = self.context.debug_log().take_errors();
         if !complaints.is_empty() {
             return Err(Error::Driver {
@@ -225,7 +225,7 @@ impl Job {
     }
 
     fn print(&self, times: &Times) {
-        let FrameFigures { patches, culled, triangles, draws, largest_bound, .. } = times.figures;
+        let FrameStats { patches, culled, triangles, draws, largest_bound, .. } = times.figures;
         let compilation = times.first_frame.saturating_sub(times.frame);
         let own = self.set_up + times.load + times.upload + times.picture + times.write;
         eprintln!("{}", self.driver());

@@ -12,7 +12,7 @@ use glam::{DMat4, DVec2, DVec4, UVec2};
 
 use super::TrimDecision;
 use super::raster::owns;
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::{Method, Scene};
 use crate::trim::{Newton, TrimGrid, Trims};
@@ -66,7 +66,7 @@ pub struct Coverage {
 /// Loops that the thesis' method cannot cut, if that is asked for.
 pub fn coverage(
     scene: &Scene,
-    projection: &Projection,
+    projection: &ViewProjection,
     size: UVec2,
     method: Method,
 ) -> Result<Coverage> {
@@ -98,7 +98,7 @@ enum Depth {
 }
 
 impl Depth {
-    fn of(scene: &Scene, projection: &Projection) -> Self {
+    fn of(scene: &Scene, projection: &ViewProjection) -> Self {
         /// Of the farthest distance; what is nearer to the eye's plane is not seen.
         const EYE: f64 = 2e-8;
         let distances = scene.surfaces.iter().flat_map(|surface| {
@@ -146,7 +146,7 @@ impl Depth {
 /// As [`coverage`].
 pub fn has_gap_near(
     scene: &Scene,
-    projection: &Projection,
+    projection: &ViewProjection,
     size: UVec2,
     [x, y]: [u32; 2],
     radius_px: f64,
@@ -157,7 +157,7 @@ pub fn has_gap_near(
     let zoom = size.as_dvec2() * (0.5 / radius_px);
     let mut window = DMat4::from_scale(zoom.extend(1.0));
     window.w_axis = DVec4::new(-center.x * zoom.x, center.y * zoom.y, 0.0, 1.0);
-    let seen = Projection { projection: window * projection.projection, ..*projection };
+    let seen = ViewProjection { projection: window * projection.projection, ..*projection };
     let shown = coverage(scene, &seen, UVec2::splat(SIDE), method)?;
     Ok(shown.pixels.iter().any(|cover| !cover.covered()))
 }

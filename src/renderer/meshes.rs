@@ -8,10 +8,10 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3};
 use glow::HasContext;
 
-use super::drawing::{Seen, matrices};
-use super::points::Centering;
+use super::capture::Feedback;
+use super::draw_list::{PlanKey, matrices};
+use super::points::LocalFrame;
 use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
-use super::triangles::Feedback;
 use super::{
     DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
 };
@@ -20,7 +20,7 @@ use crate::gpu::{Attribute, Buffer, Target, TexelBuffer, Texture, Vertex};
 use crate::mesh::{Corner, Smoothing};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
-    DrawSize, FrameFigures, Rounding, Screen, TriangleBound, parts_of_next_draw, raise,
+    DrawSize, FrameStats, Rounding, Screen, TriangleBound, parts_of_next_draw, raise,
     triangles_of_triangle, vertices_of_triangle,
 };
 
@@ -104,13 +104,13 @@ impl Painted {
 pub(crate) struct PreparedMesh {
     model: MeshModel,
     paints: Vec<Painted>,
-    centering: Centering,
+    centering: LocalFrame,
     corners: Buffer,
     /// Of each corner, if the mesh has some.
     colors: Option<Buffer>,
     /// Control points of all triangles, 10 or 6 each; none of flat ones.
     nets: Vec<DVec3>,
-    seen: Option<Seen>,
+    seen: Option<PlanKey>,
     /// Of each triangle what it needs by itself; 0 if it is out of sight.
     needs: Vec<u8>,
     /// Of each edge the larger need.
@@ -119,7 +119,7 @@ pub(crate) struct PreparedMesh {
     words: Vec<u32>,
     levels: Option<TexelBuffer>,
     draws: Vec<Draw>,
-    figures: FrameFigures,
+    figures: FrameStats,
 }
 
 impl PreparedMesh {
@@ -145,7 +145,7 @@ impl PreparedMesh {
         if paints.last().is_none_or(|paint| paint.end < count) {
             paints.push(Painted { end: count, texture: texture(&model.paint)? });
         }
-        let centering = Centering::of(model.hull().map(|point| point.extend(1.0)).iter());
+        let centering = LocalFrame::of(model.hull().map(|point| point.extend(1.0)).iter());
         let is_flat = model.smoothing() == Smoothing::None;
         let flat_corner = |corner: &Corner| {
             let st = mesh.coordinates().get(corner.coordinate as usize);
@@ -206,12 +206,12 @@ impl PreparedMesh {
             words: Vec::new(),
             levels: None,
             draws: Vec::new(),
-            figures: FrameFigures::default(),
+            figures: FrameStats::default(),
         })
     }
 
     /// What a frame draws of it.
-    pub(crate) const fn figures(&self) -> FrameFigures {
+    pub(crate) const fn stats(&self) -> FrameStats {
         self.figures
     }
 
@@ -233,7 +233,7 @@ impl PreparedMesh {
             (_, Some(level)) => Tessellation::Level(level),
             (_, None) => frame.settings.tessellation,
         };
-        let seen = Seen { projection: frame.projection, size: target.size, tessellation };
+        let seen = PlanKey { projection: frame.projection, size: target.size, tessellation };
         if self.seen == Some(seen) {
             return Ok(());
         }
@@ -252,7 +252,7 @@ impl PreparedMesh {
     }
 
     /// The levels of all triangles that can be seen.
-    fn find_levels(&mut self, seen: &Seen) {
+    fn find_levels(&mut self, seen: &PlanKey) {
         let (tolerance, fixed) = match seen.tessellation {
             Tessellation::Within(tolerance) => (tolerance.pixels(), None),
             Tessellation::Level(level) => (1.0, Some(level.get() as u8)),
@@ -263,7 +263,7 @@ impl PreparedMesh {
         let to_clip = view_to_clip * self.model.transform;
         let mesh = self.model.mesh();
         let triangles = mesh.mesh().triangles().len();
-        let mut figures = FrameFigures { patches: triangles, ..FrameFigures::default() };
+        let mut figures = FrameStats { patches: triangles, ..FrameStats::default() };
         let bound = |triangle: usize| {
             let points = self.nets.len() / triangles;
             if points == 0 {

@@ -11,13 +11,13 @@ use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
 
 /// A box of control points, moved to the origin and scaled to about ±1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Centering {
+pub(crate) struct LocalFrame {
     center: DVec3,
     /// Half the size of the box, rounded up to a power of two.
     scale: f64,
 }
 
-impl Centering {
+impl LocalFrame {
     /// Of the box around these points.
     pub(crate) fn of<'a>(points: impl Iterator<Item = &'a DVec4>) -> Self {
         let (low, high) = points
@@ -52,7 +52,7 @@ impl Vertex for Vec4 {
 pub(crate) struct ControlPoints {
     buffer: Arc<TexelBuffer>,
     first: usize,
-    centering: Centering,
+    centering: LocalFrame,
     /// The largest coordinate after centring and scaling: 1, or more since points were moved.
     extent: f64,
     /// How many points were moved since they were centred.
@@ -63,7 +63,7 @@ impl ControlPoints {
     /// Uploads the control points of several surfaces into one buffer; each with its centering.
     pub(crate) fn upload(
         gl: &Arc<glow::Context>,
-        surfaces: &[(&[DVec4], Centering)],
+        surfaces: &[(&[DVec4], LocalFrame)],
     ) -> Result<Vec<Self>> {
         let count = surfaces.iter().map(|(points, _)| points.len()).sum();
         let mut values = Vec::with_capacity(count);
@@ -72,7 +72,7 @@ impl ControlPoints {
         }
         let buffer = Arc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
         let mut first = 0;
-        let place = |(points, centering): &(&[DVec4], Centering)| {
+        let place = |(points, centering): &(&[DVec4], LocalFrame)| {
             let place = Self {
                 buffer: Arc::clone(&buffer),
                 first,
@@ -88,7 +88,7 @@ impl ControlPoints {
 
     /// Overwrites one point.
     pub(crate) fn write(&mut self, index: usize, point: DVec4) {
-        let Centering { center, scale } = self.centering;
+        let LocalFrame { center, scale } = self.centering;
         let far = ((point.truncate() - center) / scale).abs().max_element();
         self.extent = self.extent.max(far);
         self.moved += 1;
@@ -112,12 +112,12 @@ impl ControlPoints {
             return false;
         }
         self.moved = 0;
-        4.0 * Centering::of(points.iter()).scale <= self.centering.scale
+        4.0 * LocalFrame::of(points.iter()).scale <= self.centering.scale
     }
 
     /// Centres the surface's points again and overwrites them all.
     pub(crate) fn recenter(&mut self, points: &[DVec4]) {
-        self.centering = Centering::of(points.iter());
+        self.centering = LocalFrame::of(points.iter());
         self.extent = 1.0;
         self.moved = 0;
         let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();
@@ -129,7 +129,7 @@ impl ControlPoints {
         self.extent
     }
 
-    pub(crate) const fn centering(&self) -> Centering {
+    pub(crate) const fn centering(&self) -> LocalFrame {
         self.centering
     }
 

@@ -4,22 +4,22 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::meshes::PreparedMesh;
-use super::points::{Centering, ControlPoints};
+use super::points::{ControlPoints, LocalFrame};
 use super::programs::Output;
 use super::surface::PreparedSurface;
-use super::{Drawing, Frame, Renderer};
+use super::{DrawList, Frame, Renderer};
 use crate::error::Result;
 use crate::gpu::{Target, Texture};
 use crate::scene::{Method, Paint, Scene, Surface};
-use crate::tessellation::{EdgeSource, EdgeTable, FrameFigures};
+use crate::tessellation::{EdgeSource, EdgeTable, FrameStats};
 
 /// A scene in the driver's memory, ready to be drawn from anywhere.
 #[derive(Debug)]
 pub struct PreparedScene {
     surfaces: Vec<PreparedSurface>,
     meshes: Vec<PreparedMesh>,
-    drawing: Drawing,
-    figures: FrameFigures,
+    drawing: DrawList,
+    figures: FrameStats,
 }
 
 impl PreparedScene {
@@ -43,7 +43,7 @@ impl PreparedScene {
             Result::Ok(texture)
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
-        let mut drawing = Drawing::default();
+        let mut drawing = DrawList::default();
         if !scene.surfaces.is_empty() {
             let (table, centerings) = neighbours(scene);
             let points: Vec<_> =
@@ -53,16 +53,16 @@ impl PreparedScene {
                 let texture = texture(&surface.paint, false)?;
                 surfaces.push(PreparedSurface::with_points(surface.clone(), texture, points)?);
             }
-            drawing = Drawing::of_neighbours(table, &surfaces);
+            drawing = DrawList::of_neighbours(table, &surfaces);
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
             meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
-        Ok(Self { surfaces, meshes, drawing, figures: FrameFigures::default() })
+        Ok(Self { surfaces, meshes, drawing, figures: FrameStats::default() })
     }
 
-    pub(super) const fn for_drawing(&mut self) -> (&mut Vec<PreparedSurface>, &mut Drawing) {
+    pub(super) const fn for_drawing(&mut self) -> (&mut Vec<PreparedSurface>, &mut DrawList) {
         (&mut self.surfaces, &mut self.drawing)
     }
 
@@ -77,7 +77,7 @@ impl PreparedScene {
         self.update_meshes(renderer, frame)?;
         for mesh in &self.meshes {
             renderer.draw_mesh(mesh, frame, output, figures.patches, None)?;
-            figures.add(&mesh.figures());
+            figures.add(&mesh.stats());
         }
         self.figures = figures;
         Ok(())
@@ -94,7 +94,7 @@ impl PreparedScene {
     }
 
     /// What the last drawing drew.
-    pub const fn figures(&self) -> FrameFigures {
+    pub const fn stats(&self) -> FrameStats {
         self.figures
     }
 
@@ -128,7 +128,7 @@ impl PreparedScene {
     /// # Errors
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.
-    pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameFigures> {
+    pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameStats> {
         renderer.clear(frame.settings.background);
         self.draw_together(renderer, frame, Output::Picture)?;
         if frame.settings.control_points {
@@ -142,7 +142,7 @@ impl PreparedScene {
 
 /// Which patches are neighbours, and how each surface's control points are centred: each by itself, but those
 /// that share edges alike, so that what they have in common stays the same bit for bit.
-fn neighbours(scene: &Scene) -> (EdgeTable, Vec<Centering>) {
+fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
     let mut transforms: HashMap<[u64; 16], u32> = HashMap::new();
     let sources: Vec<EdgeSource<'_>> = scene
         .surfaces
@@ -160,10 +160,10 @@ fn neighbours(scene: &Scene) -> (EdgeTable, Vec<Centering>) {
     for (surface, group) in scene.surfaces.iter().zip(&groups) {
         members.entry(*group).or_default().push(surface);
     }
-    let centered: HashMap<usize, Centering> = members
+    let centered: HashMap<usize, LocalFrame> = members
         .into_iter()
         .map(|(group, surfaces)| {
-            (group, Centering::of(surfaces.into_iter().flat_map(Surface::control_points)))
+            (group, LocalFrame::of(surfaces.into_iter().flat_map(Surface::control_points)))
         })
         .collect();
     let centerings = groups.iter().map(|group| centered[group]).collect();

@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat4, DVec3, DVec4};
 
-use super::points::{Centering, ControlPoints};
+use super::points::{ControlPoints, LocalFrame};
 use super::trims::UploadedTrims;
 use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::Texture;
 use crate::scene::{Cull, Image, Paint, RenderSettings, Shading, Surface, check_transform};
-use crate::tessellation::Shape;
+use crate::tessellation::NormalCone;
 use crate::trim::Trims;
 
 /// A surface in the driver's memory, to be changed between frames.
@@ -22,7 +22,7 @@ pub struct PreparedSurface {
     surface: Surface,
     control_points: ControlPoints,
     /// Of each patch.
-    shapes: Vec<Shape>,
+    cones: Vec<NormalCone>,
     texture: Arc<Texture>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
@@ -51,7 +51,7 @@ impl PreparedSurface {
         texture: Arc<Texture>,
     ) -> Result<Self> {
         let points = surface.control_points();
-        let centering = Centering::of(points.iter());
+        let centering = LocalFrame::of(points.iter());
         let mut uploaded = ControlPoints::upload(gl, &[(points, centering)])?;
         Self::with_points(surface, texture, uploaded.remove(0))
     }
@@ -67,7 +67,7 @@ impl PreparedSurface {
         let degree = surface.degree();
         let patches = surface.control_points().chunks_exact(degree.points());
         Ok(Self {
-            shapes: patches.map(|points| Shape::new(degree, points)).collect(),
+            cones: patches.map(|points| NormalCone::new(degree, points)).collect(),
             surface,
             control_points,
             texture,
@@ -122,7 +122,7 @@ impl PreparedSurface {
         }
         let patch = index / degree.points();
         let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];
-        self.shapes[patch] = Shape::new(degree, points);
+        self.cones[patch] = NormalCone::new(degree, points);
         self.revision.rest = new_number();
         Ok(())
     }
@@ -192,8 +192,8 @@ impl PreparedSurface {
         &self.uploaded_trims
     }
 
-    pub(super) fn shapes(&self) -> &[Shape] {
-        &self.shapes
+    pub(super) fn cones(&self) -> &[NormalCone] {
+        &self.cones
     }
 
     pub(super) const fn revision(&self) -> Revision {
@@ -205,9 +205,9 @@ impl PreparedSurface {
         self.surface.transform * self.control_points.centering().to_model()
     }
 
-    /// Control points, shapes and trims at once, for the pass that uses them together.
-    pub(super) fn for_plan(&mut self) -> (&[DVec4], &[Shape], &mut UploadedTrims) {
-        (self.surface.control_points(), &self.shapes, &mut self.uploaded_trims)
+    /// Control points, cones and trims at once, for the pass that uses them together.
+    pub(super) fn for_plan(&mut self) -> (&[DVec4], &[NormalCone], &mut UploadedTrims) {
+        (self.surface.control_points(), &self.cones, &mut self.uploaded_trims)
     }
 }
 

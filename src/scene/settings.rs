@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::error::{Error, Result};
 use crate::trim::Newton;
 
@@ -211,7 +211,7 @@ impl Light {
     const FAR: f64 = 1000.0;
 
     /// The places of both lights in view space.
-    pub(crate) fn positions(self, projection: &Projection) -> [DVec3; 2] {
+    pub(crate) fn positions(self, projection: &ViewProjection) -> [DVec3; 2] {
         match self {
             Self::World => [Self::HEIGHT, -Self::HEIGHT]
                 .map(|height| projection.view.transform_point3(DVec3::Y * height)),

@@ -24,7 +24,7 @@ pub(crate) use net::{ClipNet, Points, Seen, ToClip};
 use number::Number;
 pub(crate) use together::{Candidate, Need, TOGETHER, needs_of};
 
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 
 /// Two units in the last place of an `f32` near 1. The evaluation of a patch was found to be off by at
 /// most 1.6 units of the sizes that [`Rounding`] adds up.
@@ -46,7 +46,7 @@ pub(crate) struct Screen {
 }
 
 impl Screen {
-    pub(crate) fn new(projection: &Projection, size: UVec2, tolerance: f64) -> Self {
+    pub(crate) fn new(projection: &ViewProjection, size: UVec2, tolerance: f64) -> Self {
         let (z, w) = (projection.projection.row(2), projection.projection.row(3));
         // Depths along the view axis where z = −w and z = w, and w there.
         let at = |sign: f64| {
@@ -231,7 +231,7 @@ mod tests {
         })
     }
 
-    fn projection() -> impl Strategy<Value = Projection> {
+    fn projection() -> impl Strategy<Value = ViewProjection> {
         let direction = prop::array::uniform3(-1.0..1.0_f64);
         (direction, 0.1..8.0_f64, any::<bool>()).prop_filter_map("an eye", |(to, far, flat)| {
             let eye = DVec3::from(to).try_normalize()? * far;
@@ -261,7 +261,7 @@ mod tests {
     fn measured(
         degree: Degree,
         points: &[DVec4],
-        projection: &Projection,
+        projection: &ViewProjection,
         levels: [f64; 2],
         random: &[[f64; 8]],
     ) -> f64 {
@@ -314,7 +314,7 @@ mod tests {
     fn check(
         degree: Degree,
         points: &[DVec4],
-        projection: &Projection,
+        projection: &ViewProjection,
         tolerance: f64,
         random: &[[f64; 8]],
     ) -> Result<(), TestCaseError> {

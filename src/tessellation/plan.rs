@@ -23,8 +23,8 @@ use super::bound::{
     Candidate, ClipNet, Need, Points, Rounding, Screen, TOGETHER, ToClip, needs_of,
 };
 use super::edges::{EdgeTable, SIDES};
+use super::normal_cone::{Eye, NormalCone};
 use super::parts::{Cut, FixedParts, TrimParts};
-use super::shape::{Eye, Shape};
 use crate::bezier::Degree;
 use crate::scene::TessLevel;
 use halving::Leaf;
@@ -82,7 +82,7 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) points: &'a [DVec4],
     pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
-    pub(crate) shapes: &'a [Shape],
+    pub(crate) cones: &'a [NormalCone],
     /// Where it is seen from and whether its matrix mirrors (−1), if what faces away is left out.
     pub(crate) back: Option<(Eye, f64)>,
     pub(crate) trims: Option<&'a mut TrimParts>,
@@ -104,7 +104,7 @@ impl SurfacePatches<'_> {
     fn is_back<const N: usize>(&self, patch: usize) -> bool {
         self.back.is_some_and(|(eye, sign)| {
             let points = self.patches::<N>()[patch].as_flattened();
-            self.shapes[patch].faces_away(points, eye, sign)
+            self.cones[patch].faces_away(points, eye, sign)
         })
     }
 
@@ -129,7 +129,7 @@ impl SurfacePatches<'_> {
 
     /// Whether a patch's weights may differ from 1: of rational patches no normals are known.
     fn is_weighed(&self, patch: usize) -> bool {
-        self.shapes[patch].may_degenerate()
+        self.cones[patch].may_degenerate()
     }
 
     /// A patch in clip space.
@@ -142,7 +142,7 @@ impl SurfacePatches<'_> {
 /// What a frame drew.
 #[must_use = "it says whether the tolerance was met"]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FrameFigures {
+pub struct FrameStats {
     /// Patches of the scene, and triangles of its meshes.
     pub patches: usize,
     /// Those of which nothing was drawn: out of sight, cut away, or facing away where that is asked for.
@@ -159,7 +159,7 @@ pub struct FrameFigures {
     pub unmet: Option<f64>,
 }
 
-impl FrameFigures {
+impl FrameStats {
     /// Adds what else was drawn.
     pub(crate) fn add(&mut self, other: &Self) {
         self.patches += other.patches;
@@ -225,7 +225,7 @@ pub(crate) struct Plan {
     cells: Vec<[u8; 2]>,
     leaves: Vec<Leaf>,
     lists: Vec<Vec<Part>>,
-    figures: FrameFigures,
+    figures: FrameStats,
 }
 
 impl Plan {
@@ -234,7 +234,7 @@ impl Plan {
         &self.lists
     }
 
-    pub(crate) const fn figures(&self) -> FrameFigures {
+    pub(crate) const fn stats(&self) -> FrameStats {
         self.figures
     }
 
@@ -244,7 +244,7 @@ impl Plan {
         self.cells.clear();
         self.lists.resize_with(lists, Vec::new);
         self.lists.iter_mut().for_each(Vec::clear);
-        self.figures = FrameFigures::default();
+        self.figures = FrameStats::default();
     }
 
     /// Plans a frame at one level for all patches.
@@ -273,7 +273,7 @@ impl Plan {
         let fixed = surface.fixed.expect("a frame at a level has parts for it");
         let sides = [fixed.parts.side; 2];
         let level = f64::from(level.get());
-        let count = surface.shapes.len();
+        let count = surface.cones.len();
         let needs = (0..count)
             .step_by(TOGETHER)
             .flat_map(|first| surface.needs::<N>(first, screen))
@@ -285,7 +285,7 @@ impl Plan {
                 continue;
             };
             raise(&mut self.figures.largest_bound, need.bound.error([level; 2], screen));
-            let degenerate = usize::from(surface.shapes[patch].may_degenerate());
+            let degenerate = usize::from(surface.cones[patch].may_degenerate());
             for (list, places) in [
                 (surface.lists.kept[degenerate], &fixed.kept),
                 (surface.lists.trimmed[degenerate], &fixed.trimmed),
@@ -317,7 +317,7 @@ impl Plan {
         }
         self.agree(table);
         for surface in surfaces {
-            for patch in 0..surface.shapes.len() {
+            for patch in 0..surface.cones.len() {
                 self.emit(surface, patch, table);
             }
         }
@@ -330,7 +330,7 @@ impl Plan {
         table: &EdgeTable,
         screen: &Screen,
     ) {
-        let count = surface.shapes.len();
+        let count = surface.cones.len();
         for first in (0..count).step_by(TOGETHER) {
             let needs = surface.needs::<N>(first, screen);
             for (patch, need) in (first..count).zip(needs) {
@@ -449,7 +449,7 @@ impl Plan {
         for (side, edge) in table.of(number).into_iter().enumerate() {
             borders[side] = self.edges[edge].rounded() >> state.halvings[axis_of(side)];
         }
-        let degenerate = usize::from(surface.shapes[patch].may_degenerate());
+        let degenerate = usize::from(surface.cones[patch].may_degenerate());
         let list_of = |cut: Option<Cut>| {
             let is_trimmed = cut.is_some_and(Cut::is_trimmed);
             let lists = if is_trimmed { surface.lists.trimmed } else { surface.lists.kept };

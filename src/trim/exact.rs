@@ -9,8 +9,8 @@ use glam::Vec2;
 use super::grid::{
     EVEN_ODD, FALLS, FINER, HEADER_WORDS, LAST_HEAD, LIST, LONG_LIST, PIECE_WORDS, listed,
 };
-use super::lattice::Lattice;
 use super::pieces::{Piece, monotone_curves};
+use super::uniform_grid::UniformGrid;
 use super::{FillRule, Keep, Trims, grid, shapes};
 
 /// The greatest sample: `f32`'s last number below 1. The far borders of the domain belong to the
@@ -40,7 +40,7 @@ pub struct TrimGrid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lookup {
     /// Where it lies.
-    lattice: Lattice,
+    lattice: UniformGrid,
     /// The word where its cells begin.
     cells: usize,
 }
@@ -175,8 +175,8 @@ impl TrimGrid {
         let mut cell = self.cell(lookup, uv);
         if cell & 7 == FINER {
             let at = (cell >> 3) as usize;
-            let finer = Lattice::from_words(&self.words[at..]);
-            cell = self.words[at + Lattice::WORDS + finer.cell_of(uv)];
+            let finer = UniformGrid::from_words(&self.words[at..]);
+            cell = self.words[at + UniformGrid::WORDS + finer.cell_of(uv)];
         }
         let turned = cell & 1 == 1;
         if cell & LIST == 0 {

@@ -42,8 +42,8 @@ mod cutting;
 use std::ops::Range;
 
 use super::FillRule;
-use super::lattice::Lattice;
 use super::pieces::Curve;
+use super::uniform_grid::UniformGrid;
 use builder::{Builder, Member};
 use cutting::{FilledCurve, cut_to_cells, lattice_of};
 
@@ -72,7 +72,7 @@ const CROWDED: usize = 12;
 /// What was built.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
-    pub(super) lattice: Lattice,
+    pub(super) lattice: UniformGrid,
     /// The words of the pieces.
     pub(super) pieces: Range<usize>,
     /// Length of the longest list of references.
@@ -136,8 +136,8 @@ pub(super) fn listed(words: &[u32]) -> impl Iterator<Item = u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::trim::lattice::Bounds;
     use crate::trim::pieces::{Piece, monotone_curves};
+    use crate::trim::uniform_grid::Bounds;
     use crate::trim::{Segment, TrimLoop};
     use glam::Vec2;
     use proptest::prelude::*;
@@ -160,9 +160,9 @@ mod tests {
                 if word & 7 == FINER {
                     let corner = |i: usize| Vec2::new(bounds[0][i], bounds[1][i]);
                     let side = words[at + 4];
-                    let finer = Lattice::new(corner(0), corner(1), side);
-                    assert_eq!(finer.words(), words[at..at + Lattice::WORDS]);
-                    lattices.push((finer, at + Lattice::WORDS));
+                    let finer = UniformGrid::new(corner(0), corner(1), side);
+                    assert_eq!(finer.words(), words[at..at + UniformGrid::WORDS]);
+                    lattices.push((finer, at + UniformGrid::WORDS));
                 } else if word & LIST != 0 {
                     let piece = |word: u32| (word >> 5) as usize - grid.pieces.start / PIECE_WORDS;
                     let pieces = listed(&words[at..]).map(piece).collect();

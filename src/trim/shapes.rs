@@ -4,7 +4,7 @@
 use glam::{DVec2, UVec2, Vec2};
 
 use super::grid::{LIST, end_list};
-use super::lattice::Lattice;
+use super::uniform_grid::UniformGrid;
 use super::{Circle, Ellipse, Interval, Trims};
 
 /// Words of a shape in the shader's buffer.
@@ -113,7 +113,7 @@ pub(super) fn cuts(words: &[u32], reference: u32, uv: Vec2) -> bool {
 ///
 /// A cell is 0 (nothing in it is cut), 1 (all of it is), or offset · 8 + 2: a list of references there.
 /// A reference is texel · 8 + kind, plus 4 for the last of a list.
-pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(Lattice, usize)> {
+pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(UniformGrid, usize)> {
     let shapes = shapes_of(trims);
     let first = words.len();
     for shape in &shapes {
@@ -122,7 +122,7 @@ pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(Lattice, usi
     if shapes.is_empty() {
         return None;
     }
-    let lattice = Lattice::of_domain(side_for(&shapes));
+    let lattice = UniformGrid::of_domain(side_for(&shapes));
     let cells = words.len();
     words.resize(cells + lattice.count(), 0);
     fill(&shapes, &lattice, first, cells, words);
@@ -160,7 +160,7 @@ fn side_for(shapes: &[Shape]) -> u32 {
 }
 
 /// Writes the cells: covered by one shape, or with a list of those that touch them.
-fn fill(shapes: &[Shape], lattice: &Lattice, first: usize, cells: usize, words: &mut Vec<u32>) {
+fn fill(shapes: &[Shape], lattice: &UniformGrid, first: usize, cells: usize, words: &mut Vec<u32>) {
     let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); lattice.count()];
     let mut covered = vec![false; lattice.count()];

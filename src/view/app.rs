@@ -387,7 +387,7 @@ impl App {
             }
             shown.gl.begin();
             shown.screen.show();
-            let (figures, ms) = (shown.screen.figures(), shown.screen.ms());
+            let (figures, ms) = (shown.screen.stats(), shown.screen.ms());
             again = shown.overlay.paint(shown.gl.window(), |context| {
                 panel::show(context, &mut self.state, &figures, ms)
             });
@@ -395,7 +395,7 @@ impl App {
                 break;
             }
         }
-        let (figures, ms) = (shown.screen.figures(), shown.screen.ms());
+        let (figures, ms) = (shown.screen.stats(), shown.screen.ms());
         let swapped = shown.gl.swap();
         self.state.report(swapped);
         let title = self.state.title(&figures, ms);

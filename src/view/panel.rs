@@ -3,7 +3,7 @@
 
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::{
-    FrameFigures, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
+    FrameStats, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
 };
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
 pub(super) fn show(
     context: &Context,
     state: &mut State,
-    figures: &FrameFigures,
+    figures: &FrameStats,
     ms: f64,
 ) -> Vec<egui::Rect> {
     let mut covered = Vec::new();
@@ -88,7 +88,7 @@ fn help(ui: &mut Ui) {
     });
 }
 
-fn contents(ui: &mut Ui, state: &mut State, figures: &FrameFigures, ms: f64) {
+fn contents(ui: &mut Ui, state: &mut State, figures: &FrameStats, ms: f64) {
     figures_grid(ui, figures, ms);
     ui.separator();
     method(ui, state);
@@ -109,7 +109,7 @@ fn contents(ui: &mut Ui, state: &mut State, figures: &FrameFigures, ms: f64) {
     ui.small("H or F1: help");
 }
 
-fn figures_grid(ui: &mut Ui, figures: &FrameFigures, ms: f64) {
+fn figures_grid(ui: &mut Ui, figures: &FrameStats, ms: f64) {
     egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
         let bound = figures.largest_bound.map_or("–".into(), |bound| format!("{bound:.3} px"));
         for (name, value) in [

@@ -1,6 +1,6 @@
 //! Which control point lies under the cursor, and where it goes when it is dragged.
 
-use freeform_surface::{Projection, Scene, Surface};
+use freeform_surface::{Scene, Surface, ViewProjection};
 use glam::{DVec2, DVec3, DVec4, Vec3Swizzles as _, Vec4Swizzles as _, dvec2};
 
 /// How near the cursor must come to a control point, in pixels.
@@ -17,7 +17,7 @@ pub(crate) struct PointId {
 
 /// Where a point of the world is in the picture: pixels from its upper left corner, and the depth, −1 to 1.
 /// Nothing behind the eye has a place.
-pub(crate) fn on_screen(projection: &Projection, size: DVec2, point: DVec3) -> Option<DVec3> {
+pub(crate) fn on_screen(projection: &ViewProjection, size: DVec2, point: DVec3) -> Option<DVec3> {
     let clip = projection.projection * projection.view * point.extend(1.0);
     (clip.w > 0.0).then(|| {
         let ndc = clip.xyz() / clip.w;
@@ -26,7 +26,7 @@ pub(crate) fn on_screen(projection: &Projection, size: DVec2, point: DVec3) -> O
 }
 
 /// The point of the world at a place of the picture.
-fn in_world(projection: &Projection, size: DVec2, place: DVec3) -> DVec3 {
+fn in_world(projection: &ViewProjection, size: DVec2, place: DVec3) -> DVec3 {
     let part = place.xy() / size;
     let ndc = dvec2(2.0 * part.x - 1.0, 1.0 - 2.0 * part.y).extend(place.z);
     (projection.projection * projection.view).inverse().project_point3(ndc)
@@ -35,7 +35,7 @@ fn in_world(projection: &Projection, size: DVec2, place: DVec3) -> DVec3 {
 /// The control point that is nearest to the cursor, if one is near enough.
 pub(crate) fn pick(
     scene: &Scene,
-    projection: &Projection,
+    projection: &ViewProjection,
     size: DVec2,
     cursor: DVec2,
 ) -> Option<PointId> {
@@ -64,7 +64,7 @@ pub(crate) fn world_point(scene: &Scene, id: PointId) -> Option<DVec3> {
 pub(crate) fn dragged(
     scene: &Scene,
     id: PointId,
-    projection: &Projection,
+    projection: &ViewProjection,
     size: DVec2,
     cursor: DVec2,
 ) -> Option<DVec4> {

@@ -4,9 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use freeform_surface::gpu::{self, Framebuffer};
-use freeform_surface::{
-    Frame, FrameFigures, Image, PreparedScene, Renderer, Result, Samples, Scene,
-};
+use freeform_surface::{Frame, FrameStats, Image, PreparedScene, Renderer, Result, Samples, Scene};
 
 use super::state::{Changes, State};
 
@@ -101,8 +99,8 @@ impl Screen {
         self.still.as_ref().unwrap_or(&self.target)
     }
 
-    pub(super) const fn figures(&self) -> FrameFigures {
-        self.prepared.figures()
+    pub(super) const fn stats(&self) -> FrameStats {
+        self.prepared.stats()
     }
 
     pub(super) const fn ms(&self) -> f64 {

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use freeform_surface::{
-    Alpha, Camera, Error, FrameFigures, Image, Method, NewtonTrims, Paint, Projection, Result,
-    Scene, Smoothing, TessLevel, Tessellation, Tolerance, Trims,
+    Alpha, Camera, Error, FrameStats, Image, Method, NewtonTrims, Paint, Result, Scene, Smoothing,
+    TessLevel, Tessellation, Tolerance, Trims, ViewProjection,
 };
 use glam::{DVec2, dvec2};
 
@@ -187,7 +187,7 @@ impl State {
         self.scene.camera.unwrap_or_else(|| self.scene.framed(self.aspect()))
     }
 
-    pub(crate) fn projection(&self) -> Projection {
+    pub(crate) fn projection(&self) -> ViewProjection {
         self.scene.projection(self.size.x as u32, self.size.y as u32)
     }
 
@@ -490,7 +490,7 @@ impl State {
     }
 
     /// The window's title.
-    pub(crate) fn title(&self, figures: &FrameFigures, ms: f64) -> String {
+    pub(crate) fn title(&self, figures: &FrameStats, ms: f64) -> String {
         let file = self.file.as_ref().and_then(|file| file.file_name());
         let name = file.map_or("freeform".into(), |name| name.to_string_lossy());
         let fineness = match self.scene.settings.tessellation {

@@ -5,8 +5,8 @@ use freeform_surface::measure::{Measurement, measure};
 use freeform_surface::reference::coverage;
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{
-    Aovs, Degree, DrawnVertex, Frame, Image, Method, Normals, PreparedScene, Projection,
-    RenderSettings, Renderer, Scene, Surface, TessLevel, Tessellation, Tolerance,
+    Aovs, Degree, DrawnVertex, Frame, Image, Method, Normals, PreparedScene, RenderSettings,
+    Renderer, Scene, Surface, TessLevel, Tessellation, Tolerance, ViewProjection,
 };
 use glam::{DVec3, DVec4, UVec2};
 
@@ -48,7 +48,7 @@ impl Stage {
         Frame { projection: self.projection(scene), settings: scene.settings }
     }
 
-    pub fn projection(&self, scene: &Scene) -> Projection {
+    pub fn projection(&self, scene: &Scene) -> ViewProjection {
         scene.projection(self.size.x, self.size.y)
     }
 

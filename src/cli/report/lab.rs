@@ -9,8 +9,8 @@ use freeform_surface::measure::{Measurement, Timing, in_turns_by, measure, measu
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::renderer::{StaticLook, StaticMesh};
 use freeform_surface::{
-    Aovs, DrawnVertex, Error, Frame, FrameFigures, Headless, Image, PreparedScene, Renderer,
-    Result, Scene, Trims, reference,
+    Aovs, DrawnVertex, Error, Frame, FrameStats, Headless, Image, PreparedScene, Renderer, Result,
+    Scene, Trims, reference,
 };
 use glam::{DMat4, DVec2, UVec2};
 use indicatif::ProgressBar;
@@ -188,11 +188,11 @@ impl Lab {
     }
 
     /// What each pixel of a scene's picture shows, and what was drawn for it.
-    pub(super) fn numbers(&mut self, scene: &Scene) -> Result<(Aovs, FrameFigures)> {
+    pub(super) fn numbers(&mut self, scene: &Scene) -> Result<(Aovs, FrameStats)> {
         let frame = self.frame(scene);
         let mut prepared = self.prepare(scene)?;
         let aovs = prepared.aovs(&mut self.renderer, &self.numbers, &frame)?;
-        Ok((aovs, prepared.figures()))
+        Ok((aovs, prepared.stats()))
     }
 
     /// The same through shaders that cut nothing.
@@ -202,7 +202,7 @@ impl Lab {
     }
 
     /// How far what is drawn of a scene is from its surfaces, and what was drawn.
-    pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, FrameFigures)> {
+    pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, FrameStats)> {
         let (aovs, figures) = self.numbers(scene)?;
         let projection = self.frame(scene).projection;
         Ok((measure_drawn(scene, &projection, &aovs), figures))
@@ -212,7 +212,7 @@ impl Lab {
     pub(super) fn errors_and_silhouette(
         &mut self,
         scene: &Scene,
-    ) -> Result<(Measurement, FrameFigures)> {
+    ) -> Result<(Measurement, FrameStats)> {
         let (aovs, figures) = self.numbers(scene)?;
         let projection = self.frame(scene).projection;
         let method = scene.settings.method;

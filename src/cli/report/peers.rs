@@ -118,7 +118,7 @@ fn rows(
     })?;
     let row = |name: &str, timing: Timing| Row {
         tolerance: Some(tolerance),
-        patches: Some(prepared.figures().patches),
+        patches: Some(prepared.stats().patches),
         command: lab.report_command("peers"),
         ..Row::new("peers", SCENE, name).timed(timing)
     };

@@ -28,8 +28,8 @@ fn many_patches_need_what_each_needs_alone() {
     for patches in [1, 2, 63, 64, 65, 130, 200] {
         let surface = row(patches);
         let points = surface.control_points();
-        let shapes: Vec<Shape> =
-            points.chunks(16).map(|points| Shape::new(Degree::Cubic, points)).collect();
+        let cones: Vec<NormalCone> =
+            points.chunks(16).map(|points| NormalCone::new(Degree::Cubic, points)).collect();
         let (mut seen, mut backs) = (0, 0);
         for back in [None, Some((Eye::Towards(DVec3::Z), 1.0))] {
             let surface = SurfacePatches {
@@ -37,7 +37,7 @@ fn many_patches_need_what_each_needs_alone() {
                 points,
                 to_clip: to_clip.into(),
                 rounding: Rounding::new(&to_clip, 1.0),
-                shapes: &shapes,
+                cones: &cones,
                 back,
                 trims: None,
                 fixed: None,

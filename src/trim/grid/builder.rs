@@ -9,8 +9,8 @@ use super::{
     CROWDED, EVEN_ODD, FALLS, FINER, HEADER_WORDS, LAST_HEAD, LIST, PIECE_WORDS, end_list,
 };
 use crate::trim::FillRule;
-use crate::trim::lattice::{Bounds, Lattice, count_before, touched};
 use crate::trim::pieces::Piece;
+use crate::trim::uniform_grid::{Bounds, UniformGrid, count_before, touched};
 
 /// Bit of a reference to a piece that bulges to the left of its chord.
 const LEFT: u32 = 8;
@@ -87,7 +87,7 @@ pub(super) struct Builder<'a> {
 
 impl Builder<'_> {
     /// Fills the cells of the domain.
-    pub(super) fn fill_domain(&mut self, lattice: &Lattice) {
+    pub(super) fn fill_domain(&mut self, lattice: &UniformGrid) {
         let mut first = 0;
         let groups = self.members.chunk_by(|a, b| a.fill == b.fill).map(|members| {
             let pieces = first..first + members.len() as u32;
@@ -104,7 +104,7 @@ impl Builder<'_> {
     }
 
     /// Fills the cells of a lattice, which begin at a word: of the domain, or finer ones.
-    fn fill(&mut self, first: usize, lattice: &Lattice, groups: &[Group], is_domain: bool) {
+    fn fill(&mut self, first: usize, lattice: &UniformGrid, groups: &[Group], is_domain: bool) {
         let [columns, rows] = &[0, 1].map(|axis| lattice.bounds(axis));
         let mut inside = vec![false; lattice.count()];
         let mut listed: Vec<Listed> = Vec::new();
@@ -246,7 +246,7 @@ impl Builder<'_> {
 
     /// The lattice of a crowded cell; a coarser one if its pieces are large, so that the references
     /// do not outgrow them.
-    fn finer(&self, groups: &[Group], count: usize, [columns, rows]: [Bounds; 2]) -> Lattice {
+    fn finer(&self, groups: &[Group], count: usize, [columns, rows]: [Bounds; 2]) -> UniformGrid {
         const MOST_REFERENCES_PER_PIECE: f32 = 6.0;
         let (least, most) = (Vec2::new(columns[0], rows[0]), Vec2::new(columns[1], rows[1]));
         let extent = most - least;
@@ -262,7 +262,7 @@ impl Builder<'_> {
         while side > 1 && cells_at(side) > MOST_REFERENCES_PER_PIECE * count as f32 {
             side /= 2;
         }
-        Lattice::new(least, most, side)
+        UniformGrid::new(least, most, side)
     }
 
     /// Whether every row that the pieces of a group reach is left as often as it is entered.

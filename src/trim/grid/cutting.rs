@@ -3,8 +3,8 @@
 use glam::{DVec2, Vec2};
 
 use super::CROWDED;
-use crate::trim::lattice::{Lattice, touched};
 use crate::trim::pieces::{Curve, Piece, split};
+use crate::trim::uniform_grid::{UniformGrid, touched};
 
 /// Cells along a side.
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
@@ -21,7 +21,7 @@ pub(super) struct FilledCurve {
 
 /// The lattice for so many curves: about 4 cells for each, fewer if that cut long curves into too
 /// many pieces. None if the curves hold nothing between them.
-pub(super) fn lattice_of(curves: &[FilledCurve]) -> Option<Lattice> {
+pub(super) fn lattice_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     let mut least = Vec2::INFINITY;
     let mut most = Vec2::NEG_INFINITY;
     for piece in curves.iter().filter_map(|curve| Piece::new(&curve.curve)) {
@@ -41,7 +41,7 @@ pub(super) fn lattice_of(curves: &[FilledCurve]) -> Option<Lattice> {
     while side > 1 && pieces_at(side) > most_pieces(curves) as f64 / 2.0 {
         side /= 2;
     }
-    Some(Lattice::of_domain(side))
+    Some(UniformGrid::of_domain(side))
 }
 
 /// How many pieces curves may be cut into.
@@ -52,7 +52,7 @@ fn most_pieces(curves: &[FilledCurve]) -> usize {
 
 /// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
 /// finer cells there.
-pub(super) fn cut_to_cells(curves: &[FilledCurve], lattice: &Lattice) -> Vec<FilledCurve> {
+pub(super) fn cut_to_cells(curves: &[FilledCurve], lattice: &UniformGrid) -> Vec<FilledCurve> {
     // Smaller pieces would be cut by rounding.
     const SMALLEST: f64 = 1e-6;
     let cell = DVec2::ONE / lattice.size.as_dvec2();

@@ -6,7 +6,7 @@ use std::ffi::{c_float, c_int, c_uint, c_void};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use freeform_surface::renderer::StaticVertex;
-use freeform_surface::{Degree, Projection, Scene, Surface};
+use freeform_surface::{Degree, Scene, Surface, ViewProjection};
 use libloading::Library;
 
 type Nurbs = *mut c_void;
@@ -187,7 +187,7 @@ impl Glu {
     pub(super) fn tessellate(
         &mut self,
         patches: &Patches,
-        projection: &Projection,
+        projection: &ViewProjection,
         (width, height): (u32, u32),
         tolerance: f64,
     ) -> Result<&Triangles, String> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
 use super::{Frame, PreparedScene, Renderer};
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::error::{Error, Result};
 use crate::gpu::{DriverInfo, Framebuffer};
 use crate::scene::{Image, Samples};
@@ -117,10 +117,10 @@ pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
 }
 
 /// The same view, its picture moved by so many pixels to the right and up.
-fn moved(projection: &Projection, by_px: DVec2, (width, height): (u32, u32)) -> Projection {
+fn moved(projection: &ViewProjection, by_px: DVec2, (width, height): (u32, u32)) -> ViewProjection {
     let shift = 2.0 * by_px / dvec2(width.into(), height.into());
     let to_clip = DMat4::from_translation(dvec3(shift.x, shift.y, 0.0));
-    Projection { view: projection.view, projection: to_clip * projection.projection }
+    ViewProjection { view: projection.view, projection: to_clip * projection.projection }
 }
 
 /// Colours times alpha back to colours; where nothing is drawn, to the background's.

@@ -10,7 +10,7 @@ const MOST_HALVINGS: u32 = 3;
 
 /// Normals of a patch, in the space of its control points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Shape {
+pub(crate) struct NormalCone {
     /// All normals Su × Sv turn away from this direction by at most the angle below; zero if that is
     /// not known, because one may vanish or the patch is rational.
     axis: Vec3,
@@ -27,7 +27,7 @@ pub(crate) enum Eye {
     Towards(DVec3),
 }
 
-impl Shape {
+impl NormalCone {
     const UNKNOWN: Self = Self { axis: Vec3::ZERO, sine: 1.0 };
 
     pub(crate) fn new(degree: Degree, points: &[DVec4]) -> Self {

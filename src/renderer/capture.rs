@@ -51,11 +51,11 @@ impl PreparedScene {
         drawing.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
         let output = Output::Triangles;
         renderer.draw_exact(surfaces, drawing, &frame, &target, output, Some(&mut kept))?;
-        let mut patches = drawing.figures().patches;
+        let mut patches = drawing.stats().patches;
         self.update_meshes(renderer, &frame)?;
         for mesh in self.meshes() {
             renderer.draw_mesh(mesh, &frame, output, patches, Some(&mut kept))?;
-            patches += mesh.figures().patches;
+            patches += mesh.stats().patches;
         }
         Ok(kept)
     }

@@ -14,12 +14,12 @@ use super::Frame;
 use super::programs::TrimFeatures;
 use super::surface::{PreparedSurface, Revision};
 use crate::bezier::Degree;
-use crate::camera::Projection;
+use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
-    DrawSize, EdgeSource, EdgeTable, Eye, FrameFigures, Lists, Part, Plan, Rounding, Screen,
+    DrawSize, EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, Plan, Rounding, Screen,
     SurfacePatches, parts_of_next_draw,
 };
 
@@ -31,7 +31,7 @@ const MATRIX_TEXELS: usize = 12;
 
 /// Surfaces that are drawn together.
 #[derive(Debug, Default)]
-pub(crate) struct Drawing {
+pub(crate) struct DrawList {
     revisions: Vec<Revision>,
     /// What the table was made for.
     borders: Vec<u64>,
@@ -40,7 +40,7 @@ pub(crate) struct Drawing {
     batches: Vec<Batch>,
     /// For each surface, where its parts go.
     lists: Vec<Lists>,
-    seen: Option<Seen>,
+    seen: Option<PlanKey>,
     plan: Plan,
     /// The parts of all lists, one list after the other, on their way to the driver; and those that it
     /// has.
@@ -62,8 +62,8 @@ impl Vertex for Part {
 
 /// What a plan was made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Seen {
-    pub(super) projection: Projection,
+pub(super) struct PlanKey {
+    pub(super) projection: ViewProjection,
     pub(super) size: UVec2,
     pub(super) tessellation: Tessellation,
 }
@@ -102,7 +102,7 @@ struct BatchKey {
     trimmed: Option<usize>,
 }
 
-impl Drawing {
+impl DrawList {
     /// Nothing yet, but the neighbours of the surfaces are known.
     pub(super) fn of_neighbours(table: EdgeTable, surfaces: &[PreparedSurface]) -> Self {
         let borders = surfaces.iter().map(|surface| surface.revision().borders).collect();
@@ -122,8 +122,11 @@ impl Drawing {
         for surface in &mut *surfaces {
             surface.upload_trims(gl, &frame.settings)?;
         }
-        let seen =
-            Seen { projection: frame.projection, size, tessellation: frame.settings.tessellation };
+        let seen = PlanKey {
+            projection: frame.projection,
+            size,
+            tessellation: frame.settings.tessellation,
+        };
         let same = self.note_revisions(surfaces);
         if same && self.seen == Some(seen) {
             return Ok(());
@@ -157,8 +160,8 @@ impl Drawing {
         &self.columns[surface * MATRIX_TEXELS..][..MATRIX_TEXELS]
     }
 
-    pub(crate) fn figures(&self) -> FrameFigures {
-        FrameFigures { draws: self.draws.len(), ..self.plan.figures() }
+    pub(crate) fn stats(&self) -> FrameStats {
+        FrameStats { draws: self.draws.len(), ..self.plan.stats() }
     }
 
     /// Finds out what changed since the last frame; false if anything did.
@@ -218,7 +221,7 @@ impl Drawing {
         }
     }
 
-    fn plan(&mut self, surfaces: &mut [PreparedSurface], seen: &Seen) {
+    fn plan(&mut self, surfaces: &mut [PreparedSurface], seen: &PlanKey) {
         let tolerance = match seen.tessellation {
             Tessellation::Within(tolerance) => tolerance.pixels(),
             Tessellation::Level(_) => 1.0,
@@ -241,14 +244,14 @@ impl Drawing {
             );
             let first_point = surface.uploaded_points().first() as u32;
             let degree = surface.degree();
-            let (points, shapes, trims) = surface.for_plan();
+            let (points, cones, trims) = surface.for_plan();
             let (trims, fixed) = trims.exact.as_mut().map_or((None, None), |trims| trims.parts());
             patches.push(SurfacePatches {
                 degree,
                 points,
                 to_clip: (to_clip * model).into(),
                 rounding,
-                shapes,
+                cones,
                 back,
                 trims,
                 fixed,
@@ -257,7 +260,7 @@ impl Drawing {
                 number: number as u32,
                 lists: self.lists[number],
             });
-            first_patch += shapes.len() as u32;
+            first_patch += cones.len() as u32;
         }
         let lists = self.batches.len();
         match seen.tessellation {
@@ -273,7 +276,7 @@ impl Drawing {
         &mut self,
         gl: &Arc<glow::Context>,
         surfaces: &[PreparedSurface],
-        seen: &Seen,
+        seen: &PlanKey,
         draw_size: DrawSize,
     ) -> Result<()> {
         self.draws.clear();
@@ -367,7 +370,7 @@ pub(super) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> 
 }
 
 /// Where the eye is, in the space of a model.
-fn eye_in_model(projection: &Projection, model: &DMat4) -> Eye {
+fn eye_in_model(projection: &ViewProjection, model: &DMat4) -> Eye {
     let from_view = (projection.view * model).inverse();
     // Lines of sight are parallel where clip w does not depend on the depth.
     if projection.projection.row(3).z == 0.0 {
@@ -379,7 +382,10 @@ fn eye_in_model(projection: &Projection, model: &DMat4) -> Eye {
 
 /// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to clip
 /// space and to view space, and what turns cross products of them into view space.
-pub(super) fn matrices(points_to_world: &DMat4, projection: &Projection) -> [Vec4; MATRIX_TEXELS] {
+pub(super) fn matrices(
+    points_to_world: &DMat4,
+    projection: &ViewProjection,
+) -> [Vec4; MATRIX_TEXELS] {
     let to_view = projection.view * *points_to_world;
     let to_clip = projection.for_driver() * to_view;
     let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);

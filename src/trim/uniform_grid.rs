@@ -4,7 +4,7 @@ use glam::{UVec2, Vec2};
 
 /// A box cut into columns along u and rows along v.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Lattice {
+pub(crate) struct UniformGrid {
     /// Least corner.
     pub(crate) least: Vec2,
     /// Greatest corner.
@@ -18,7 +18,7 @@ pub(crate) struct Lattice {
 /// What is surely below and above every sample of a column or row.
 pub(super) type Bounds = [f32; 2];
 
-impl Lattice {
+impl UniformGrid {
     /// The lattice over the domain: the shader needs to know no more than how many columns it has.
     pub(super) fn of_domain(side: u32) -> Self {
         Self::new(Vec2::ZERO, Vec2::ONE, side)
