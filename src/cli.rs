@@ -189,11 +189,8 @@ impl LookArguments {
         settings.normals = self.normals.unwrap_or(settings.normals);
         if scene.settings.method == Method::Thesis {
             for surface in &scene.surfaces {
-                NewtonTrims::of(&surface.trims).map_err(|error| Error::File {
-                    action: "draw",
-                    path: path.to_owned(),
-                    reason: error.to_string(),
-                })?;
+                NewtonTrims::of(&surface.trims)
+                    .map_err(|error| Error::file("draw", path, error))?;
             }
         }
         Ok(())

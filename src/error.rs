@@ -29,14 +29,23 @@ pub enum Error {
     },
 
     /// A file that cannot be read or written.
-    #[error("cannot {action} {}: {reason}", path.display())]
+    #[error("cannot {action} {}: {source}", path.display())]
     File {
         /// `"read"`, `"write"`, …
         action: &'static str,
         /// The file.
         path: PathBuf,
-        /// The operating system's or the decoder's reason.
-        reason: String,
+        /// The error of the operating system or of a decoder, or what is wrong with the content.
+        source: Cause,
+    },
+
+    /// Something that this build of the crate leaves out.
+    #[error("{what} is not built in; build with --features {feature}")]
+    NotBuilt {
+        /// What is missing.
+        what: &'static str,
+        /// The feature of the crate that brings it.
+        feature: &'static str,
     },
 
     /// A shader that does not compile, or a program that does not link.
@@ -62,6 +71,9 @@ pub enum Error {
     },
 }
 
+/// Why something failed: an error of another crate, or a text.
+pub type Cause = Box<dyn std::error::Error + Send + Sync>;
+
 /// Result with the crate's [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
@@ -73,6 +85,11 @@ impl Error {
         expected: impl Into<String>,
     ) -> Self {
         Self::Invalid { name: name.into(), value: value.to_string(), expected: expected.into() }
+    }
+
+    /// An [`Error::File`] from the error of a crate, or from a text.
+    pub fn file(action: &'static str, path: impl Into<PathBuf>, source: impl Into<Cause>) -> Self {
+        Self::File { action, path: path.into(), source: source.into() }
     }
 
     /// The same fault, with the place where it was found before the name of the argument.

@@ -10,11 +10,9 @@ use freeform_surface::Error;
 /// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
 pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
     match writeln!(std::io::stdout(), "{line}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::File {
-            action: "write",
-            path: "standard output".into(),
-            reason: error.to_string(),
-        }),
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::file("write", "standard output", error))
+        }
         _ => Ok(()),
     }
 }

@@ -90,7 +90,7 @@ pub use bezier::{
     homogeneous,
 };
 pub use camera::{Camera, Lens, ViewProjection};
-pub use error::{Error, Result};
+pub use error::{Cause, Error, Result};
 #[cfg(feature = "headless")]
 pub use headless::{Backend, Headless};
 pub use mesh::{

@@ -79,9 +79,5 @@ fn show(arguments: &ViewArguments) -> Result<()> {
 
 #[cfg(not(feature = "viewer"))]
 fn show(_: &ViewArguments) -> Result<()> {
-    Err(freeform_surface::Error::Context(
-        "this program was built without its window; to get it: cargo install --path . --features \
-         viewer, or cargo run --release --features viewer -- view"
-            .into(),
-    ))
+    Err(freeform_surface::Error::NotBuilt { what: "the window", feature: "viewer" })
 }

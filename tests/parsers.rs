@@ -97,6 +97,14 @@ keep = "inside"
 path = "M0 0H1V1H0Z m.2 .2 l.1 0 q.1.1 0 .2 t-.1 0z M.5.5c.1 0 .2.1.2.2s-.1.2-.2 0A.1.2 30 0 1 .5.5Z"
 "#;
 
+#[test]
+fn an_error_of_a_file_holds_the_error_of_the_system() {
+    let error = Scene::load("none.toml".as_ref()).unwrap_err();
+    let source = std::error::Error::source(&error).expect("a source");
+    let system: &std::io::Error = source.downcast_ref().expect("the system's");
+    assert_eq!(system.kind(), std::io::ErrorKind::NotFound);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 

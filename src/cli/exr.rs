@@ -7,7 +7,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     WritableImage as _,
 };
-use freeform_surface::{AovKind, Aovs, Error, Result};
+use freeform_surface::{AovKind, Aovs, Cause, Error, Result};
 
 use crate::io::output::{Output, replace};
 
@@ -89,10 +89,9 @@ impl AovFile {
             ],
         };
         let bytes = encode(aovs.size, channels);
-        let fail =
-            |reason: String| Error::File { action: "write", path: self.path.clone(), reason };
-        let bytes = bytes.map_err(|error| fail(error.to_string()))?;
-        replace(&self.path, |file| file.write_all(&bytes)).map_err(|error| fail(error.to_string()))
+        let fail = |cause: Cause| Error::file("write", self.path.clone(), cause);
+        let bytes = bytes.map_err(|error| fail(error.into()))?;
+        replace(&self.path, |file| file.write_all(&bytes)).map_err(|error| fail(error.into()))
     }
 }
 

@@ -76,11 +76,11 @@ impl<'a> Bench<'a> {
         // What is compared with are Bézier surfaces, so those are drawn alone.
         scene.meshes.clear();
         if scene.surfaces.is_empty() {
-            return Err(Error::File {
-                action: "measure",
-                path: path.to_owned(),
-                reason: "it has no Bézier surface; meshes are not measured".into(),
-            });
+            return Err(Error::file(
+                "measure",
+                path,
+                "it has no Bézier surface; meshes are not measured",
+            ));
         }
         let mut prepared = PreparedScene::new(&self.renderer, &scene)?;
         let mut report = Report {

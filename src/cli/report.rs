@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use freeform_surface::renderer::programs::Sources;
-use freeform_surface::{Backend, Error, Headless, Image, Result};
+use freeform_surface::{Backend, Cause, Error, Headless, Image, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::ReportArguments;
@@ -200,20 +200,21 @@ fn machine() -> String {
 }
 
 fn csv(rows: &[Row]) -> Result<Vec<u8>> {
-    let fail = |error: String| Error::Driver { what: "a table".into(), reason: error };
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
-        writer.serialize(row).map_err(|error| fail(error.to_string()))?;
+        writer.serialize(row).map_err(|error| unwritable("make", Path::new("a table"), error))?;
     }
-    writer.into_inner().map_err(|error| fail(error.to_string()))
+    writer
+        .into_inner()
+        .map_err(|error| unwritable("make", Path::new("a table"), error.into_error()))
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     replace(path, |file| file.write_all(bytes)).map_err(|error| unwritable("write", path, error))
 }
 
-fn unwritable(action: &'static str, path: &Path, error: impl ToString) -> Error {
-    Error::File { action, path: path.to_owned(), reason: error.to_string() }
+fn unwritable(action: &'static str, path: &Path, error: impl Into<Cause>) -> Error {
+    Error::file(action, path, error)
 }
 
 /// The project's folder of scenes: in the current folder, or where the program was built.

@@ -32,22 +32,16 @@ pub(super) fn run(arguments: &SmoothArguments) -> Result<()> {
     }
     let mesh = Mesh::load_obj(input, crease_degrees.unwrap_or_default())?;
     let before = mesh.triangles().len();
-    let smoothed = smooth(mesh, smoothing, *steps).map_err(|error| Error::File {
-        action: "smooth",
-        path: input.clone(),
-        reason: error.to_string(),
-    })?;
+    let smoothed = smooth(mesh, smoothing, *steps)
+        .map_err(|error| Error::file("smooth", input.clone(), error))?;
     let written = if to_standard {
         let mut out = BufWriter::new(std::io::stdout().lock());
         smoothed.write_obj(&mut out).and_then(|()| out.flush())
     } else {
         replace(output, |file| smoothed.write_obj(file))
     };
-    written.map_err(|error| Error::File {
-        action: "write",
-        path: if to_standard { "standard output".into() } else { output.clone() },
-        reason: error.to_string(),
-    })?;
+    let place = if to_standard { Path::new("standard output") } else { output };
+    written.map_err(|error| Error::file("write", place, error))?;
     let line = format!(
         "wrote {}: {before} triangles became {}",
         if to_standard { "standard output".into() } else { output.display().to_string() },

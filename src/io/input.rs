@@ -4,7 +4,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use freeform_surface::{CreaseAngle, Error, LoadOptions, Result, Scene, UpAxis};
+use freeform_surface::{Cause, CreaseAngle, Error, LoadOptions, Result, Scene, UpAxis};
 
 /// What stands for standard input on the command line.
 const STANDARD: &str = "-";
@@ -47,15 +47,15 @@ impl LoadArguments {
             return Scene::load_with(path, &options);
         }
         let name = Path::new("standard input");
-        let fail = |reason: String| Error::File { action: "read", path: name.into(), reason };
+        let fail = |cause: Cause| Error::file("read", name, cause);
         let mut bytes = Vec::new();
         std::io::stdin()
             .lock()
             .take(MAX_BYTES + 1)
             .read_to_end(&mut bytes)
-            .map_err(|error| fail(error.to_string()))?;
+            .map_err(|error| fail(error.into()))?;
         if bytes.len() as u64 > MAX_BYTES {
-            return Err(fail(format!("it has more than {MAX_BYTES} bytes")));
+            return Err(fail(format!("it has more than {MAX_BYTES} bytes").into()));
         }
         let text = String::from_utf8(bytes).map_err(|_| fail("it is not text".into()))?;
         if text.trim().is_empty() {

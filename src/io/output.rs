@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use freeform_surface::{Error, Image, Result};
+use freeform_surface::{Cause, Error, Image, Result};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
 
@@ -91,11 +91,8 @@ impl Output {
             .collect::<Result<_>>()?;
         // Only now: a refused call leaves no folder behind.
         if !folder.as_os_str().is_empty() {
-            std::fs::create_dir_all(&folder).map_err(|error| Error::File {
-                action: "make the folder",
-                path: folder,
-                reason: error.to_string(),
-            })?;
+            std::fs::create_dir_all(&folder)
+                .map_err(|error| Error::file("make the folder", folder, error))?;
         }
         Ok(outputs)
     }
@@ -124,8 +121,8 @@ impl Output {
             Self::File(path) => path.clone(),
             Self::Standard => PathBuf::from("standard output"),
         };
-        let fail = |reason: String| Error::File { action: "write", path: path.clone(), reason };
-        let bytes = encode(image).map_err(|error| fail(error.to_string()))?;
+        let fail = |cause: Cause| Error::file("write", path.clone(), cause);
+        let bytes = encode(image).map_err(|error| fail(error.into()))?;
         match self {
             Self::Standard => {
                 let mut out = std::io::stdout().lock();
@@ -133,7 +130,7 @@ impl Output {
             }
             Self::File(path) => replace(path, |file| file.write_all(&bytes)),
         }
-        .map_err(|error| fail(error.to_string()))
+        .map_err(|error| fail(error.into()))
     }
 }
 

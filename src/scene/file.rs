@@ -3,7 +3,7 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, Result};
 
 /// Scene files beyond this size are refused, so that a wrong file cannot eat the memory.
 const MAX_FILE_BYTES: u64 = 64 << 20;
@@ -16,8 +16,8 @@ pub(super) fn extension(path: &Path) -> String {
     path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
-pub(super) fn unreadable(path: &Path, reason: impl ToString) -> Error {
-    Error::File { action: "read", path: path.to_owned(), reason: reason.to_string() }
+pub(super) fn unreadable(path: &Path, reason: impl Into<Cause>) -> Error {
+    Error::file("read", path, reason)
 }
 
 pub(super) fn check_is_file(path: &Path) -> Result<()> {

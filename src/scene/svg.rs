@@ -14,9 +14,5 @@ pub(super) fn load(path: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
 
 #[cfg(not(feature = "svg"))]
 pub(super) fn load(_: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
-    Err(crate::error::Error::invalid(
-        "svg",
-        "of no use in this build",
-        "a build with the feature svg",
-    ))
+    Err(crate::error::Error::NotBuilt { what: "the reader of SVG documents", feature: "svg" })
 }

@@ -7,7 +7,7 @@ use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 
 use super::Image;
-use crate::error::{Error, Result};
+use crate::error::{Cause, Error, Result};
 
 /// What a picture may be.
 const FORMATS: [ImageFormat; 3] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp];
@@ -24,40 +24,42 @@ const MAX_BYTES: u64 = 8 * MAX_PIXELS;
 /// A file that cannot be read, is no PNG, JPEG or BMP picture, or is larger than 16,384 pixels a
 /// side or 64 million in all.
 pub fn load_texture(path: &Path) -> Result<Image> {
-    let fail = |reason: String| Error::File { action: "read", path: path.to_owned(), reason };
-    let metadata = std::fs::metadata(path).map_err(|error| fail(error.to_string()))?;
+    let fail = |cause: Cause| Error::file("read", path, cause);
+    let metadata = std::fs::metadata(path).map_err(|error| fail(error.into()))?;
     if !metadata.is_file() {
         return Err(fail("it is a folder or a device, expected a picture".into()));
     }
     let open = || -> std::io::Result<ImageReader<BufReader<std::fs::File>>> {
         ImageReader::open(path)?.with_guessed_format()
     };
-    let reader = open().map_err(|error| fail(error.to_string()))?;
+    let reader = open().map_err(|error| fail(error.into()))?;
     // The program can write other formats, and so could read them.
     if let Some(format) = reader.format().filter(|format| !FORMATS.contains(format)) {
-        return Err(fail(format!("no PNG, JPEG or BMP picture (it is {format:?})")));
+        return Err(fail(format!("no PNG, JPEG or BMP picture (it is {format:?})").into()));
     }
     let (width, height) = reader
         .into_dimensions()
-        .map_err(|error| fail(format!("no PNG, JPEG or BMP picture ({error})")))?;
+        .map_err(|error| fail(format!("no PNG, JPEG or BMP picture ({error})").into()))?;
     if width > MAX_SIDE || height > MAX_SIDE || width == 0 || height == 0 {
-        return Err(fail(format!(
-            "it has {width} × {height} pixels; a texture has 1 to {MAX_SIDE} a side"
-        )));
+        return Err(fail(
+            format!("it has {width} × {height} pixels; a texture has 1 to {MAX_SIDE} a side")
+                .into(),
+        ));
     }
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
-        return Err(fail(format!("it has {pixels} pixels; a texture has at most {MAX_PIXELS}")));
+        return Err(fail(
+            format!("it has {pixels} pixels; a texture has at most {MAX_PIXELS}").into(),
+        ));
     }
-    let mut reader = open().map_err(|error| fail(error.to_string()))?;
+    let mut reader = open().map_err(|error| fail(error.into()))?;
     let mut limits = Limits::default();
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
-    let mut decoder = reader.into_decoder().map_err(|error| fail(error.to_string()))?;
+    let mut decoder = reader.into_decoder().map_err(|error| fail(error.into()))?;
     // How a camera was held stands beside the pixels.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
-    let mut picture =
-        DynamicImage::from_decoder(decoder).map_err(|error| fail(error.to_string()))?;
+    let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| fail(error.into()))?;
     picture.apply_orientation(orientation);
     Ok(picture.into_rgba8())
 }

@@ -204,11 +204,8 @@ impl Writer<'_> {
             Some(source) => self.name(source),
             None => {
                 let mut bytes = Vec::new();
-                mesh.write_obj(&mut bytes).map_err(|error| Error::File {
-                    action: "write",
-                    path: self.path.to_owned(),
-                    reason: error.to_string(),
-                })?;
+                mesh.write_obj(&mut bytes)
+                    .map_err(|error| Error::file("write", self.path, error))?;
                 self.beside("obj", bytes)
             }
         };
@@ -267,11 +264,9 @@ impl Writer<'_> {
             Some(source) => self.name(source),
             None => {
                 let mut bytes = Cursor::new(Vec::new());
-                image.write_to(&mut bytes, ImageFormat::Png).map_err(|error| Error::File {
-                    action: "write",
-                    path: self.path.to_owned(),
-                    reason: error.to_string(),
-                })?;
+                image
+                    .write_to(&mut bytes, ImageFormat::Png)
+                    .map_err(|error| Error::file("write", self.path, error))?;
                 self.beside("png", bytes.into_inner())
             }
         };

@@ -445,11 +445,8 @@ fn write_scene(scene: &Scene, path: &Path) -> Result<()> {
     let written = scene.to_toml(path)?;
     let text = (path.to_owned(), written.text.into_bytes());
     for (path, bytes) in written.files.into_iter().chain([text]) {
-        replace(&path, |file| file.write_all(&bytes)).map_err(|error| Error::File {
-            action: "write",
-            path,
-            reason: error.to_string(),
-        })?;
+        replace(&path, |file| file.write_all(&bytes))
+            .map_err(|error| Error::file("write", path, error))?;
     }
     Ok(())
 }

@@ -14,11 +14,7 @@ fn is_scene(path: &Path) -> bool {
 
 /// The scenes of a folder in the order of their names.
 fn scenes_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let fail = |error: std::io::Error| Error::File {
-        action: "read the folder",
-        path: folder.to_owned(),
-        reason: error.to_string(),
-    };
+    let fail = |error: std::io::Error| Error::file("read the folder", folder, error);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let mut scenes = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(fail)? {
@@ -69,7 +65,7 @@ pub(crate) fn new_file(scene: Option<&Path>, added: &str, extension: &str) -> Re
             Ok(_) => return Ok(path),
             Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
             Err(error) => {
-                return Err(Error::File { action: "write", path, reason: error.to_string() });
+                return Err(Error::file("write", path, error));
             }
         }
     }

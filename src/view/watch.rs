@@ -50,19 +50,19 @@ impl Watch {
                 tell();
             }
         })
-        .map_err(|error| fail(Path::new("files"), &error))?;
+        .map_err(|error| fail(Path::new("files"), error))?;
         for folder in folders {
             // Without its folder a file has its say when it is read.
             if folder.is_dir() {
                 watcher
                     .watch(&folder, RecursiveMode::NonRecursive)
-                    .map_err(|error| fail(&folder, &error))?;
+                    .map_err(|error| fail(&folder, error))?;
             }
         }
         Ok(Self { _watcher: watcher })
     }
 }
 
-fn fail(path: &Path, error: &notify::Error) -> Error {
-    Error::File { action: "watch", path: path.to_owned(), reason: error.to_string() }
+fn fail(path: &Path, error: notify::Error) -> Error {
+    Error::file("watch", path, error)
 }

@@ -385,13 +385,12 @@ pub(super) fn check_resources(folder: &Path) -> Result<()> {
     if folder.join("scenes/thesis/fig22.toml").is_file() {
         return Ok(());
     }
-    Err(Error::File {
-        action: "read",
-        path: folder.to_owned(),
-        reason: "it does not hold the project's scenes; expected its folder \"resources\", see \
-                 --resources"
-            .into(),
-    })
+    Err(Error::file(
+        "read",
+        folder,
+        "it does not hold the project's scenes; expected its folder \"resources\", see \
+                 --resources",
+    ))
 }
 
 #[cfg(test)]

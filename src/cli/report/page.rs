@@ -165,10 +165,9 @@ fn responsive(svg: &str, title: &str) -> String {
 
 fn data_url(image: &Image) -> Result<String> {
     let mut png = Cursor::new(Vec::new());
-    image.write_to(&mut png, ImageFormat::Png).map_err(|error| Error::Driver {
-        what: "a picture of the report".into(),
-        reason: error.to_string(),
-    })?;
+    image
+        .write_to(&mut png, ImageFormat::Png)
+        .map_err(|error| Error::file("make", "a picture of the report", error))?;
     Ok(format!("data:image/png;base64,{}", STANDARD.encode(png.into_inner())))
 }
 

@@ -45,7 +45,7 @@ pub(super) fn plot(
     }
     let mut svg = String::new();
     draw(&mut svg, (x_title, y_title), (x, y), lines, mark, is_drawn)
-        .map_err(|error| Error::Driver { what: "a plot".into(), reason: error.to_string() })?;
+        .map_err(|error| Error::file("make", "a plot", error.to_string()))?;
     Ok(svg)
 }
 

@@ -103,11 +103,7 @@ const QUICK: [&str; 7] = [
 /// The scenes of the folder by name, but those that are there to be refused.
 fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
     let folder = lab.path("scenes/stability");
-    let fail = |error: std::io::Error| freeform_surface::Error::File {
-        action: "read",
-        path: folder.clone(),
-        reason: error.to_string(),
-    };
+    let fail = |error: std::io::Error| freeform_surface::Error::file("read", folder.clone(), error);
     let mut cases = Vec::new();
     for entry in std::fs::read_dir(&folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();
