@@ -8,9 +8,7 @@
 mod static_mesh;
 mod turns;
 
-use std::sync::Arc;
-
-use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::gpu::{self, Framebuffer, Gl};
 use freeform_surface::renderer::StaticLook;
 use freeform_surface::renderer::programs::TrimFeatures;
 use freeform_surface::{
@@ -38,7 +36,7 @@ fn within(pixels: f64) -> Tessellation {
 }
 
 /// Measures something and prints it.
-type Section = fn(&Arc<glow::Context>);
+type Section = fn(&Gl);
 
 /// A field of so many patches like that of listing 16, seen from above.
 fn field(patches: usize) -> Scene {
@@ -59,14 +57,14 @@ fn field(patches: usize) -> Scene {
 
 /// A scene in the driver's memory that is drawn again and again.
 struct Drawn<'a> {
-    gl: &'a Arc<glow::Context>,
+    gl: &'a Gl,
     renderer: Renderer,
     prepared: PreparedScene,
     frame: Frame,
 }
 
 impl<'a> Drawn<'a> {
-    fn new(gl: &'a Arc<glow::Context>, scene: &Scene, (width, height): (u32, u32)) -> Self {
+    fn new(gl: &'a Gl, scene: &Scene, (width, height): (u32, u32)) -> Self {
         let renderer = Renderer::new(gl).expect("a renderer");
         let prepared = PreparedScene::new(&renderer, scene).expect("it fits");
         let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
@@ -106,7 +104,7 @@ fn main() {
 }
 
 /// One level for all patches against a static mesh of the same triangles.
-fn static_meshes(gl: &Arc<glow::Context>) {
+fn static_meshes(gl: &Gl) {
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     for patches in [1, 64, 1024, 10_000] {
         for cells in [1, 4, 8, 16, 32, 64] {
@@ -147,7 +145,7 @@ fn teapot_scene() -> Scene {
 }
 
 /// Levels by tolerance against the level that is enough everywhere.
-fn teapot(gl: &Arc<glow::Context>) {
+fn teapot(gl: &Gl) {
     println!();
     let size = (1920, 1080);
     let target = Framebuffer::new(gl, size.0, size.1).expect("a picture of the bench");
@@ -178,7 +176,7 @@ fn teapot(gl: &Arc<glow::Context>) {
 }
 
 /// Normals at pixels against normals at vertices.
-fn normals(gl: &Arc<glow::Context>) {
+fn normals(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     target.bind();
@@ -196,7 +194,7 @@ fn normals(gl: &Arc<glow::Context>) {
 }
 
 /// The pass over all patches when the camera moves.
-fn moving(gl: &Arc<glow::Context>) {
+fn moving(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, 64, 64).expect("a picture of the bench");
     target.bind();
@@ -222,7 +220,7 @@ fn moving(gl: &Arc<glow::Context>) {
 }
 
 /// Patches that are not seen.
-fn out_of_sight(gl: &Arc<glow::Context>) {
+fn out_of_sight(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     target.bind();
@@ -257,7 +255,7 @@ fn out_of_sight(gl: &Arc<glow::Context>) {
 }
 
 /// A patch that trims leave a tenth of.
-fn cut_away(gl: &Arc<glow::Context>) {
+fn cut_away(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     target.bind();
@@ -279,7 +277,7 @@ fn cut_away(gl: &Arc<glow::Context>) {
 }
 
 /// What the process grows by for each patch.
-fn memory(gl: &Arc<glow::Context>) {
+fn memory(gl: &Gl) {
     println!();
     let resident = || {
         let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();

@@ -7,7 +7,7 @@ mod turns;
 
 use std::hint::black_box;
 
-use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::gpu::{self, Framebuffer, Gl};
 use freeform_surface::{
     Backend, Frame, FreeFormSurface, Headless, Method, PreparedScene, RenderSettings, Renderer,
     Scene, Segment, TrimGrid, TrimLoop, Trims,
@@ -80,7 +80,7 @@ fn main() {
 }
 
 /// Whole frames of the thesis' surface with its own and with many more trims.
-fn frames(gl: &std::sync::Arc<glow::Context>) {
+fn frames(gl: &Gl) {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let figure =
         Scene::load(&root.join("resources/scenes/thesis/fig24.toml")).expect("the figure's scene");
@@ -140,7 +140,7 @@ fn frames(gl: &std::sync::Arc<glow::Context>) {
 }
 
 /// The grid and its upload.
-fn building(gl: &std::sync::Arc<glow::Context>) {
+fn building(gl: &Gl) {
     println!();
     for count in [100, 1_000, 10_000, 100_000] {
         let trims = trims(lace(count, DVec2::ZERO, 1.0));
@@ -171,7 +171,7 @@ fn building(gl: &std::sync::Arc<glow::Context>) {
 }
 
 /// Many surfaces with few trims each.
-fn many_surfaces(gl: &std::sync::Arc<glow::Context>) {
+fn many_surfaces(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     target.bind();

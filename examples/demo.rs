@@ -6,8 +6,8 @@
 
 use std::error::Error;
 use std::num::NonZeroU32;
-use std::sync::Arc;
 
+use freeform_surface::gpu::Gl;
 use freeform_surface::{Frame, FreeFormSurface, Renderer, Scene, TessLevel, Tessellation};
 use glam::DMat4;
 use glow::HasContext as _;
@@ -72,11 +72,11 @@ impl Shown {
             (context, display.create_window_surface(&config, &pixels)?)
         };
         let context = context.make_current(&surface)?;
-        // SAFETY: the context is current.
+        // SAFETY: the context is current and stays so; what is drawn goes before it.
         let gl = unsafe {
-            glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name))
+            Gl::new(glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name)))
         };
-        let renderer = Renderer::new(&Arc::new(gl))?;
+        let renderer = Renderer::new(&gl)?;
         let freeform = FreeFormSurface::from_surface(&renderer, scene.surfaces[0].clone())?;
         Ok(Self { freeform, renderer, surface, context, window })
     }

@@ -3,7 +3,7 @@
 //!
 //! `cargo run --release --example listing16` writes `listing16.png` and `listing17.png`.
 
-use std::sync::Arc;
+use std::rc::Rc;
 
 use freeform_surface::gpu::{Framebuffer, Texture};
 use freeform_surface::{
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let bricks = load_texture(
         concat!(env!("CARGO_MANIFEST_DIR"), "/resources/textures/brick.png").as_ref(),
     )?;
-    freeform.set_texture(Arc::new(Texture::new(context.gl(), "bricks", &bricks)?));
+    freeform.set_texture(Rc::new(Texture::new(context.gl(), "bricks", &bricks)?));
 
     // Listing 16. The camera is the one that frames the scene of the same listing.
     let frame = Frame {

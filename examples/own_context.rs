@@ -6,9 +6,8 @@
 //! `own_context.png`.
 #![allow(unsafe_code, reason = "a caller with a context of its own calls OpenGL itself")]
 
-use std::sync::Arc;
-
 use freeform_surface::glam::{DVec3, dvec2};
+use freeform_surface::gpu::Gl;
 use freeform_surface::{Camera, Frame, FreeFormSurface, RenderSettings, Renderer};
 use glow::{HasContext, PixelPackData};
 use glutin::api::egl::{device::Device, display::Display};
@@ -26,15 +25,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .build(None);
     let template =
         ConfigTemplateBuilder::new().with_surface_type(ConfigSurfaceTypes::empty()).build();
-    // SAFETY: device, display, config and context belong together; no window handle is passed.
+    // SAFETY: device, display, config and context belong together; no window handle is passed. The context
+    // stays current as long as the handle lives.
     let (_context, gl) = unsafe {
         let display = Display::with_device(&device, None)?;
         let config = display.find_configs(template)?.next().ok_or("EGL has no config")?;
         let context = display.create_context(&config, &attributes)?.make_current_surfaceless()?;
         let gl = glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name));
-        (context, gl)
+        (context, Gl::new(gl))
     };
-    let gl = Arc::new(gl);
 
     // A framebuffer of the caller's, with something in it already: a blue upper half.
     // SAFETY: the context is current.

@@ -1,8 +1,8 @@
 //! OpenGL objects, each with one owner that frees it and a label that a debugger shows.
 //!
-//! Every call here needs the context that made the object to be current on the calling thread, as
-//! with any OpenGL call; a library cannot check that. This room, the renderer and the headless
-//! contexts are the only places with `unsafe`.
+//! Every call here needs the context that made the object to be current on the calling thread. Who hands a
+//! context to [`Gl::new`] promises that; every object holds the handle, which stays on its thread. This room, the
+//! renderer and the headless contexts are the only places with `unsafe`.
 #![allow(unsafe_code, reason = "every call of OpenGL is unsafe in glow")]
 
 mod buffer;
@@ -10,6 +10,7 @@ mod debug;
 mod driver;
 mod float_target;
 mod framebuffer;
+mod handle;
 mod program;
 mod texel_buffer;
 mod texture;
@@ -25,6 +26,7 @@ pub(crate) use driver::check_context;
 pub use driver::{DriverInfo, Need};
 pub use float_target::FloatTarget;
 pub use framebuffer::Framebuffer;
+pub use handle::Gl;
 pub use program::{Program, ShaderPart, Stage, StageKind};
 pub use texel_buffer::TexelBuffer;
 pub use texture::Texture;

@@ -6,11 +6,11 @@ mod osmesa;
 
 use std::ffi::{CStr, c_void};
 use std::fmt;
+use std::rc::Rc;
 use std::str::FromStr;
-use std::sync::Arc;
 
 use crate::error::{Error, Result};
-use crate::gpu::{DebugLog, DriverInfo, check_context};
+use crate::gpu::{DebugLog, DriverInfo, Gl, check_context};
 
 /// Where a headless context comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -55,15 +55,14 @@ enum Owner {
 
 /// An OpenGL 4.5 core context, current on the thread that made it.
 ///
-/// It must outlive everything that is made with [`Headless::gl`]. With several on one thread,
-/// [`Headless::make_current`] goes from one to the other; dropping one leaves none current.
+/// With several on one thread, [`Headless::make_current`] goes from one to the other, and what is made with one
+/// is used and dropped while that one is current. Dropping a context leaves none current.
 pub struct Headless {
-    // The order matters: the functions go before the context that they belong to.
-    gl: Arc<glow::Context>,
+    gl: Gl,
     debug_log: DebugLog,
     backend: Backend,
     info: DriverInfo,
-    owner: Owner,
+    owner: Rc<Owner>,
 }
 
 impl fmt::Debug for Headless {
@@ -111,13 +110,14 @@ impl Headless {
         check_context(&gl).map_err(|error| error.to_string())?;
         let debug_log = DebugLog::install(&mut gl);
         let info = DriverInfo::of(&gl);
-        let gl = Arc::new(gl);
+        let owner = Rc::new(owner);
+        let gl = Gl::owned(gl, owner.clone());
         Ok(Self { gl, debug_log, backend, info, owner })
     }
 
     /// The functions of the context.
     #[must_use]
-    pub const fn gl(&self) -> &Arc<glow::Context> {
+    pub const fn gl(&self) -> &Gl {
         &self.gl
     }
 
@@ -126,7 +126,7 @@ impl Headless {
     /// # Errors
     /// The driver's reason for refusing.
     pub fn make_current(&self) -> Result<()> {
-        match &self.owner {
+        match &*self.owner {
             Owner::Egl(context) => context.make_current(),
             Owner::Osmesa(context) => context.make_current(),
         }
@@ -136,7 +136,7 @@ impl Headless {
     /// The address of an OpenGL function, or null: for callers who need one that glow lacks.
     #[must_use]
     pub fn proc_address(&self, name: &CStr) -> *const c_void {
-        match &self.owner {
+        match &*self.owner {
             Owner::Egl(context) => context.proc_address(name),
             Owner::Osmesa(context) => context.proc_address(name),
         }

@@ -32,7 +32,7 @@
 //! # }
 //! ```
 //!
-//! In an OpenGL context of your own, leave `Headless` and `Framebuffer` away: [`Renderer::new`]
+//! In an OpenGL context of your own, leave `Headless` and `Framebuffer` away: [`gpu::Gl::new`]
 //! takes any `glow::Context` of version 4.5, and [`FreeFormSurface::render`] draws into whatever
 //! framebuffer is bound.
 //!

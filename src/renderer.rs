@@ -14,7 +14,6 @@ mod surface;
 mod trims;
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
 use glam::{DMat4, Mat4, Vec4};
 use glow::HasContext;
@@ -35,7 +34,9 @@ pub use surface::PreparedSurface;
 
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::gpu::{Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory};
+use crate::gpu::{
+    Gl, Program, Target, Texture, VertexArray, check_context, draw_size, keep_memory,
+};
 use crate::scene::{CONTROL_POINT_PX, Method, Paint, RenderSettings, Shading};
 use crate::tessellation::{DrawSize, FrameStats, Part, Parts};
 
@@ -63,7 +64,7 @@ pub struct Frame {
 /// viewport, scissor, colour mask and logic operation, depth range and clip control, polygon offset,
 /// sample masks, sRGB conversion, the width of lines.
 pub struct Renderer {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     sources: Sources,
     programs: HashMap<ProgramKey, Program>,
     points_array: VertexArray,
@@ -87,7 +88,7 @@ impl Renderer {
     ///
     /// # Errors
     /// A context older than OpenGL 4.5.
-    pub fn new(gl: &Arc<glow::Context>) -> Result<Self> {
+    pub fn new(gl: &Gl) -> Result<Self> {
         Self::with_sources(gl, Sources::default())
     }
 
@@ -95,11 +96,11 @@ impl Renderer {
     ///
     /// # Errors
     /// A context older than OpenGL 4.5.
-    pub fn with_sources(gl: &Arc<glow::Context>, sources: Sources) -> Result<Self> {
+    pub fn with_sources(gl: &Gl, sources: Sources) -> Result<Self> {
         check_context(gl)?;
         keep_memory(gl);
         Ok(Self {
-            gl: Arc::clone(gl),
+            gl: gl.clone(),
             sources,
             programs: HashMap::new(),
             points_array: VertexArray::of::<Vec4>(gl, "control points")?,
@@ -129,7 +130,7 @@ impl Renderer {
 
     /// The functions of the context.
     #[must_use]
-    pub const fn gl(&self) -> &Arc<glow::Context> {
+    pub const fn gl(&self) -> &Gl {
         &self.gl
     }
 

@@ -1,7 +1,7 @@
 //! The ported class: one freeform surface with its control points and trims on the GPU, under the thesis'
 //! calls.
 
-use std::sync::Arc;
+use std::rc::Rc;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
@@ -52,7 +52,7 @@ impl FreeFormSurface {
     /// # Errors
     /// Trims out of their range, a picture that the driver cannot hold, no memory.
     pub fn from_surface(renderer: &Renderer, surface: Surface) -> Result<Self> {
-        let texture = Arc::new(surface.paint.upload(renderer.gl())?);
+        let texture = Rc::new(surface.paint.upload(renderer.gl())?);
         Self::with_texture(renderer, surface, texture)
     }
 
@@ -63,7 +63,7 @@ impl FreeFormSurface {
     pub fn with_texture(
         renderer: &Renderer,
         surface: Surface,
-        texture: Arc<Texture>,
+        texture: Rc<Texture>,
     ) -> Result<Self> {
         let segments = surface.trims.segment_count();
         let prepared = PreparedSurface::new(renderer.gl(), surface, texture)?;
@@ -121,7 +121,7 @@ impl FreeFormSurface {
     }
 
     /// Gives the surface a picture; several surfaces may share one.
-    pub fn set_texture(&mut self, texture: Arc<Texture>) {
+    pub fn set_texture(&mut self, texture: Rc<Texture>) {
         self.prepared.set_texture(texture);
     }
 

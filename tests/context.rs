@@ -45,6 +45,22 @@ fn a_mistake_in_opengl_reaches_the_debug_log() {
 }
 
 #[test]
+fn what_was_made_with_a_context_keeps_it() {
+    let scene = Scene::listing16();
+    let size = UVec2::new(64, 48);
+    for backend in backends() {
+        let expected = render(&scene, size, backend);
+        let context = Headless::new(backend).unwrap();
+        let target = Framebuffer::new(context.gl(), size.x, size.y).unwrap();
+        let mut renderer = Renderer::new(context.gl()).unwrap();
+        drop(context);
+        let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
+        common::draw(&scene, &mut prepared, &mut renderer, &target);
+        assert_eq!(target.read(), expected);
+    }
+}
+
+#[test]
 fn a_scene_can_be_prepared_for_every_method_and_switched_between_them() {
     let size = UVec2::new(96, 64);
     let level = Tessellation::Level(TessLevel::new(7).unwrap());

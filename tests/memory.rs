@@ -6,7 +6,7 @@
 mod common;
 
 use std::num::NonZeroU32;
-use std::sync::Arc;
+use std::rc::Rc;
 
 use freeform_surface::gpu::{self, Framebuffer, Texture};
 use freeform_surface::{Frame, FreeFormSurface, Image, Renderer, Scene, TessLevel, Tessellation};
@@ -58,7 +58,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
         let mut round = || {
             let mut surface = FreeFormSurface::new(&renderer).unwrap();
             let image = Image::from_pixel(4, 4, image::Rgba([200, 100, 50, 255]));
-            surface.set_texture(Arc::new(Texture::new(gl, "round", &image).unwrap()));
+            surface.set_texture(Rc::new(Texture::new(gl, "round", &image).unwrap()));
             for center in [dvec2(0.3, 0.3), dvec2(0.7, 0.7)] {
                 surface.circular_trimming(0.1, center).unwrap();
                 surface.add_circle(surface.trims().circles[0]).unwrap();

@@ -6,10 +6,9 @@ mod common;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::{CString, c_void};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 
-use freeform_surface::gpu::Framebuffer;
+use freeform_surface::gpu::{Framebuffer, Gl};
 use freeform_surface::{
     CreaseAngle, Frame, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment, Smoothing,
     TessLevel, Tessellation, Tolerance, TrimGrid, TrimLoop,
@@ -73,7 +72,7 @@ unsafe extern "C" fn buffer_sub_data(buffer: u32, at: isize, size: isize, data: 
 }
 
 /// The context's functions, with those in between that count uploads.
-fn counted(context: &Checked) -> Arc<glow::Context> {
+fn counted(context: &Checked) -> Gl {
     let find = |name: &str| {
         let name = CString::new(name).unwrap();
         let address = context.proc_address(&name).cast_mut();
@@ -89,8 +88,8 @@ fn counted(context: &Checked) -> Arc<glow::Context> {
             _ => address.cast_const(),
         }
     };
-    // SAFETY: the context is current, and so are its functions.
-    Arc::new(unsafe { glow::Context::from_loader_function(find) })
+    // SAFETY: the context is current, and so are its functions; it outlives what the test makes.
+    unsafe { Gl::new(glow::Context::from_loader_function(find)) }
 }
 
 /// A loop of four cubics.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use std::sync::Arc;
+use std::rc::Rc;
 
 use freeform_surface::gpu::{Framebuffer, Texture};
 use freeform_surface::reference;
@@ -271,7 +271,7 @@ fn the_model_matrix_the_texture_and_25_points_are_used() {
     let mut surface = FreeFormSurface::with_control_points(&stage.renderer, &points).unwrap();
     surface.set_shading(Shading::Unlit);
     let image = Image::from_fn(2, 2, |x, y| image::Rgba([255 * x as u8, 255 * y as u8, 0, 255]));
-    surface.set_texture(Arc::new(Texture::new(stage.renderer.gl(), "test", &image).unwrap()));
+    surface.set_texture(Rc::new(Texture::new(stage.renderer.gl(), "test", &image).unwrap()));
     let picture = stage.picture(&mut surface);
     // The picture's first row is v = 1, its first column u = 0.
     assert_eq!(picture.get_pixel(40, 16).0, [0, 0, 0, 255]);

@@ -4,9 +4,7 @@
 
 mod common;
 
-use std::sync::Arc;
-
-use freeform_surface::gpu::Framebuffer;
+use freeform_surface::gpu::{Framebuffer, Gl};
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::{
     Circle, FillRule, Frame, Keep, PreparedScene, Renderer, Samples, Scene, Segment, Shading,
@@ -173,14 +171,14 @@ fn starburst() -> Trims {
 
 /// A target of 32-bit floats, for values that must come back bit for bit.
 struct FloatTarget {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     framebuffer: glow::Framebuffer,
     buffers: [glow::Renderbuffer; 2],
     side: u32,
 }
 
 impl FloatTarget {
-    fn new(gl: &Arc<glow::Context>, side: u32) -> Self {
+    fn new(gl: &Gl, side: u32) -> Self {
         // SAFETY: the context is current; all objects are new, and deleted by `drop`.
         unsafe {
             let framebuffer = gl.create_named_framebuffer().unwrap();
@@ -196,7 +194,7 @@ impl FloatTarget {
                 gl.named_framebuffer_renderbuffer(Some(framebuffer), place, kind, Some(buffer));
                 buffer
             });
-            Self { gl: Arc::clone(gl), framebuffer, buffers, side }
+            Self { gl: gl.clone(), framebuffer, buffers, side }
         }
     }
 

@@ -2,18 +2,14 @@
 #![allow(dead_code, unreachable_pub, reason = "every bench is a crate that uses a part of it")]
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
+use freeform_surface::gpu::Gl;
 use freeform_surface::renderer::{StaticMesh, StaticVertex};
 use freeform_surface::{Mesh, Patch, Scene};
 use glam::DVec3;
 
 /// The triangles of a scene's one surface at its level, in world space, its normals by `normal`.
-pub fn of_surface(
-    gl: &Arc<glow::Context>,
-    scene: &Scene,
-    normal: fn(&Patch<'_>, f64, f64) -> DVec3,
-) -> StaticMesh {
+pub fn of_surface(gl: &Gl, scene: &Scene, normal: fn(&Patch<'_>, f64, f64) -> DVec3) -> StaticMesh {
     let surface = &scene.surfaces[0];
     let level = scene.settings.tessellation.level().get() as usize;
     let mut vertices: Vec<StaticVertex> = Vec::new();
@@ -43,7 +39,7 @@ pub fn of_surface(
 }
 
 /// The triangles of a mesh, one vertex for each pair of position and normal.
-pub fn of_mesh(gl: &Arc<glow::Context>, mesh: &Mesh) -> StaticMesh {
+pub fn of_mesh(gl: &Gl, mesh: &Mesh) -> StaticMesh {
     let mut numbers = HashMap::new();
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     for corner in mesh.triangles().iter().flatten() {

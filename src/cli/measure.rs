@@ -47,7 +47,6 @@ pub(super) fn all(arguments: &MeasureArguments) -> Result<(), Vec<Error>> {
 
 /// A context with targets that one scene after the other is measured in.
 struct Bench<'a> {
-    // The order matters: OpenGL objects go before the context.
     picture: Framebuffer,
     numbers: FloatTarget,
     renderer: Renderer,

@@ -96,7 +96,6 @@ struct Times {
 
 /// A context and a target that one scene after the other is drawn into.
 pub(super) struct Job {
-    // The order matters: OpenGL objects go before the context.
     target: Framebuffer,
     renderer: Renderer,
     context: Headless,

@@ -1,16 +1,14 @@
 //! Buffers of plain values, for control points and trims.
 
-use std::sync::Arc;
-
 use bytemuck::Pod;
 use glow::HasContext;
 
-use super::{check_memory, create, size_i32};
+use super::{Gl, check_memory, create, size_i32};
 use crate::error::{Error, Result};
 
 /// A buffer of plain values in the driver's memory.
 pub struct Buffer {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::Buffer,
     bytes: usize,
 }
@@ -26,14 +24,14 @@ impl Buffer {
     ///
     /// # Errors
     /// No memory for it, or 2 GiB and more are asked for.
-    pub fn new<T: Pod>(gl: &Arc<glow::Context>, label: &str, values: &[T]) -> Result<Self> {
+    pub fn new<T: Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Self> {
         let data: &[u8] = bytemuck::cast_slice(values);
         size_i32(label, data.len())?;
         // SAFETY: the context is current (see the module); the buffer is new and ours.
         unsafe {
             let raw = create(label, gl.create_named_buffer())?;
             // Freed by `drop` from here on.
-            let buffer = Self { gl: Arc::clone(gl), raw, bytes: data.len() };
+            let buffer = Self { gl: gl.clone(), raw, bytes: data.len() };
             gl.named_buffer_data_u8_slice(raw, data, glow::DYNAMIC_DRAW);
             check_memory(gl, label, data.len() as u64)?;
             gl.object_label(glow::BUFFER, raw.0.get(), Some(label));
@@ -47,7 +45,7 @@ impl Buffer {
     /// # Errors
     /// As [`Buffer::new`].
     pub(crate) fn of_values<T: Pod>(
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         label: &str,
         count: usize,
         mut values: impl Iterator<Item = T>,
@@ -58,7 +56,7 @@ impl Buffer {
         // SAFETY: the context is current (see the module); the buffer is new and ours.
         let buffer = unsafe {
             let raw = create(label, gl.create_named_buffer())?;
-            let buffer = Self { gl: Arc::clone(gl), raw, bytes };
+            let buffer = Self { gl: gl.clone(), raw, bytes };
             gl.named_buffer_data_size(raw, size, glow::DYNAMIC_DRAW);
             check_memory(gl, label, bytes as u64)?;
             gl.object_label(glow::BUFFER, raw.0.get(), Some(label));
@@ -77,7 +75,7 @@ impl Buffer {
     ///
     /// # Errors
     /// As [`Buffer::new`]; more than the driver lets a shader see.
-    pub fn for_storage<T: Pod>(gl: &Arc<glow::Context>, label: &str, values: &[T]) -> Result<Self> {
+    pub fn for_storage<T: Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let most = unsafe { gl.get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
         let bytes = size_of_val(values);

@@ -1,16 +1,14 @@
 //! Numbers for each pixel, drawn without a window and read back.
 
-use std::sync::Arc;
-
 use glow::{HasContext, PixelPackData};
 
 use super::framebuffer::Renderbuffer;
-use super::{DriverInfo, checked_size, create, transfer_plainly};
+use super::{DriverInfo, Gl, checked_size, create, transfer_plainly};
 use crate::error::{Error, Result};
 
 /// Several pictures of four 32-bit floats a pixel that one drawing fills, and a 32-bit depth.
 pub struct FloatTarget {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::Framebuffer,
     colors: Vec<Renderbuffer>,
     _depth: Renderbuffer,
@@ -33,11 +31,7 @@ impl FloatTarget {
     ///
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
-    pub fn new(
-        gl: &Arc<glow::Context>,
-        (width, height): (u32, u32),
-        pictures: u32,
-    ) -> Result<Self> {
+    pub fn new(gl: &Gl, (width, height): (u32, u32), pictures: u32) -> Result<Self> {
         let size = checked_size("resolution", (width, height), DriverInfo::of(gl).max_size)?;
         let colors = (0..pictures)
             .map(|_| Renderbuffer::new(gl, "numbers", glow::RGBA32F, size, 1))
@@ -59,7 +53,7 @@ impl FloatTarget {
             attach(glow::DEPTH_ATTACHMENT, &depth);
             gl.named_framebuffer_draw_buffers(Some(raw), &attachments);
             gl.object_label(glow::FRAMEBUFFER, raw.0.get(), Some("numbers"));
-            let target = Self { gl: Arc::clone(gl), raw, colors, _depth: depth, width, height };
+            let target = Self { gl: gl.clone(), raw, colors, _depth: depth, width, height };
             let status = gl.check_named_framebuffer_status(Some(raw), glow::FRAMEBUFFER);
             if status != glow::FRAMEBUFFER_COMPLETE {
                 return Err(Error::Driver {

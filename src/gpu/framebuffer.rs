@@ -1,16 +1,14 @@
 //! Pictures that are drawn into without a window, and read back.
 
-use std::sync::Arc;
-
 use glow::{HasContext, PixelPackData};
 
-use super::{DriverInfo, Texture, check_memory, checked_size, create, transfer_plainly};
+use super::{DriverInfo, Gl, Texture, check_memory, checked_size, create, transfer_plainly};
 use crate::error::{Error, Result};
 use crate::scene::Image;
 
 /// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
 pub struct Framebuffer {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::Framebuffer,
     _color: Renderbuffer,
     _depth: Option<Renderbuffer>,
@@ -37,7 +35,7 @@ impl Framebuffer {
     ///
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
-    pub fn new(gl: &Arc<glow::Context>, width: u32, height: u32) -> Result<Self> {
+    pub fn new(gl: &Gl, width: u32, height: u32) -> Result<Self> {
         Self::with_samples(gl, width, height, 1)
     }
 
@@ -47,12 +45,7 @@ impl Framebuffer {
     /// # Errors
     /// As [`Framebuffer::new`], and no sample or more than the driver has
     /// ([`DriverInfo::max_samples`]).
-    pub fn with_samples(
-        gl: &Arc<glow::Context>,
-        width: u32,
-        height: u32,
-        samples: u32,
-    ) -> Result<Self> {
+    pub fn with_samples(gl: &Gl, width: u32, height: u32, samples: u32) -> Result<Self> {
         let info = DriverInfo::of(gl);
         let size = checked_size("resolution", (width, height), info.max_size)?;
         let most = u32::try_from(info.max_samples).unwrap_or(0).max(1);
@@ -72,7 +65,7 @@ impl Framebuffer {
     }
 
     fn of(
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         color: Renderbuffer,
         depth: Option<Renderbuffer>,
         resolved: Option<Box<Self>>,
@@ -91,7 +84,7 @@ impl Framebuffer {
             }
             gl.object_label(glow::FRAMEBUFFER, raw.0.get(), Some("offscreen picture"));
             let framebuffer = Self {
-                gl: Arc::clone(gl),
+                gl: gl.clone(),
                 raw,
                 _color: color,
                 _depth: depth,
@@ -239,7 +232,7 @@ impl Drop for Framebuffer {
 
 /// The memory of one attachment.
 pub(super) struct Renderbuffer {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::Renderbuffer,
     size: [i32; 2],
     samples: u32,
@@ -247,7 +240,7 @@ pub(super) struct Renderbuffer {
 
 impl Renderbuffer {
     pub(super) fn new(
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         label: &str,
         format: u32,
         size: [i32; 2],
@@ -260,7 +253,7 @@ impl Renderbuffer {
         unsafe {
             let raw = create(label, gl.create_renderbuffer())?;
             // Freed by `drop` from here on.
-            let buffer = Self { gl: Arc::clone(gl), raw, size, samples };
+            let buffer = Self { gl: gl.clone(), raw, size, samples };
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(raw));
             let kind = glow::RENDERBUFFER;
             gl.renderbuffer_storage_multisample(kind, several, format, width, height);

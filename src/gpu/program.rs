@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
-use std::sync::Arc;
 
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use glow::{HasContext, NativeUniformLocation};
 
+use super::Gl;
 use super::create;
 use crate::error::{Error, Result};
 
@@ -67,7 +67,7 @@ pub struct Stage {
 
 /// A linked program.
 pub struct Program {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::Program,
 }
 
@@ -98,7 +98,7 @@ impl Program {
     /// # Errors
     /// The stage, its files and the driver's log, or the driver's reason for not linking.
     pub fn new(
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         label: &str,
         defines: &[(&str, u32)],
         stages: &[Stage],
@@ -111,7 +111,7 @@ impl Program {
         // SAFETY: the context is current (see the module); the program is new and ours, freed by
         // `drop` from the moment `Self` holds it.
         unsafe {
-            let program = Self { gl: Arc::clone(gl), raw: create(label, gl.create_program())? };
+            let program = Self { gl: gl.clone(), raw: create(label, gl.create_program())? };
             for shader in &shaders {
                 gl.attach_shader(program.raw, shader.raw);
             }

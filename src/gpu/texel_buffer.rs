@@ -1,18 +1,16 @@
 //! Values that shaders fetch by their number.
 
-use std::sync::Arc;
-
 use bytemuck::Pod;
 use glam::Vec4;
 use glow::HasContext;
 
-use super::{Buffer, create};
+use super::{Buffer, Gl, create};
 use crate::error::{Error, Result};
 
 /// A buffer that shaders read through buffer textures: as words (`R32UI`), as four floats at a time
 /// (`RGBA32F`), or as both.
 pub struct TexelBuffer {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     views: Vec<glow::Texture>,
     buffer: Buffer,
 }
@@ -28,7 +26,7 @@ impl TexelBuffer {
     ///
     /// # Errors
     /// More words than the driver's buffer textures have texels, no memory.
-    pub fn of_words(gl: &Arc<glow::Context>, label: &str, words: &[u32]) -> Result<Self> {
+    pub fn of_words(gl: &Gl, label: &str, words: &[u32]) -> Result<Self> {
         Self::new(gl, label, words, &[glow::R32UI, glow::RGBA32F])
     }
 
@@ -36,16 +34,11 @@ impl TexelBuffer {
     ///
     /// # Errors
     /// More than the driver's buffer textures have texels, no memory.
-    pub fn of_vectors(gl: &Arc<glow::Context>, label: &str, vectors: &[Vec4]) -> Result<Self> {
+    pub fn of_vectors(gl: &Gl, label: &str, vectors: &[Vec4]) -> Result<Self> {
         Self::new(gl, label, vectors, &[glow::RGBA32F])
     }
 
-    fn new<T: Pod>(
-        gl: &Arc<glow::Context>,
-        label: &str,
-        values: &[T],
-        formats: &[u32],
-    ) -> Result<Self> {
+    fn new<T: Pod>(gl: &Gl, label: &str, values: &[T], formats: &[u32]) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE) };
         if values.len() > usize::try_from(most).unwrap_or(0) {
@@ -56,7 +49,7 @@ impl TexelBuffer {
         }
         let buffer = Buffer::new(gl, label, values)?;
         // What is made is freed by `drop`, also if the next view fails.
-        let mut texels = Self { gl: Arc::clone(gl), views: Vec::new(), buffer };
+        let mut texels = Self { gl: gl.clone(), views: Vec::new(), buffer };
         for format in formats {
             // SAFETY: the context is current (see the module); the texture is new and ours, and the
             // buffer lives as long as it.

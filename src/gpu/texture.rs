@@ -1,18 +1,17 @@
 //! Pictures on surfaces, uploaded with their smaller levels.
 
 use std::borrow::Cow;
-use std::sync::Arc;
 
 use glow::{HasContext, PixelUnpackData};
 
-use super::{check_memory, checked_size, create, size_i32, transfer_plainly};
+use super::{Gl, check_memory, checked_size, create, size_i32, transfer_plainly};
 use crate::error::Result;
 use crate::scene::Image;
 
 /// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
 /// smaller levels for the distance, clamped to its edges unless it repeats.
 pub struct Texture {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::Texture,
     has_holes: bool,
 }
@@ -37,7 +36,7 @@ impl Texture {
     ///
     /// # Errors
     /// A picture without pixels or larger than the driver's textures, no memory for it.
-    pub fn new(gl: &Arc<glow::Context>, label: &str, image: &Image) -> Result<Self> {
+    pub fn new(gl: &Gl, label: &str, image: &Image) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
         let [width, height] = checked_size("texture size", image.dimensions(), most)?;
@@ -48,7 +47,7 @@ impl Texture {
             let raw = create(label, gl.create_named_texture(glow::TEXTURE_2D))?;
             gl.texture_storage_2d(raw, levels as i32, glow::RGBA8, width, height);
             let has_holes = image.pixels().any(|pixel| pixel.0[3] < 255);
-            Self { gl: Arc::clone(gl), raw, has_holes }
+            Self { gl: gl.clone(), raw, has_holes }
         };
         check_memory(gl, label, image.len() as u64)?;
         // The smaller levels are made here: drivers are free in how they make them, and Mesa's

@@ -1,17 +1,17 @@
 //! How long the driver's device works, by its own clock.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use glow::HasContext;
 
+use super::Gl;
 use super::create;
 use crate::error::Result;
 
 /// A clock of the device for what it is told between two moments. (Timestamps, because Mesa's software
 /// driver mistakes its clock's reading for the time that elapsed.)
 pub struct Timer {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     moments: [glow::Query; 2],
 }
 
@@ -26,11 +26,11 @@ impl Timer {
     ///
     /// # Errors
     /// The driver has no query.
-    pub fn new(gl: &Arc<glow::Context>) -> Result<Self> {
+    pub fn new(gl: &Gl) -> Result<Self> {
         // SAFETY: the context is current (see the module); the queries are new and ours.
         let moments =
             unsafe { [create("timer", gl.create_query())?, create("timer", gl.create_query())?] };
-        Ok(Self { gl: Arc::clone(gl), moments })
+        Ok(Self { gl: gl.clone(), moments })
     }
 
     /// Does something, waits for the device, and tells how long the device was at it.

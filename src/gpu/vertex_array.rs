@@ -1,11 +1,9 @@
 //! The layouts of vertices, as the structs that are uploaded declare them.
 
-use std::sync::Arc;
-
 use bytemuck::Pod;
 use glow::HasContext;
 
-use super::{Buffer, create};
+use super::{Buffer, Gl, create};
 use crate::error::Result;
 
 /// A vertex as it lies in a buffer.
@@ -41,7 +39,7 @@ const COLORS: u32 = 4;
 
 /// How vertices lie in the buffer that they are drawn from, which changes from draw to draw.
 pub(crate) struct VertexArray {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     raw: glow::VertexArray,
     bytes: i32,
 }
@@ -57,7 +55,7 @@ impl VertexArray {
     ///
     /// # Errors
     /// The driver has no vertex array.
-    pub(crate) fn of<V: Vertex>(gl: &Arc<glow::Context>, label: &str) -> Result<Self> {
+    pub(crate) fn of<V: Vertex>(gl: &Gl, label: &str) -> Result<Self> {
         // SAFETY: the context is current (see the module); the array is new and ours.
         unsafe {
             let raw = create("vertex array", gl.create_named_vertex_array())?;
@@ -74,7 +72,7 @@ impl VertexArray {
             }
             gl.vertex_array_attrib_format_f32(raw, COLORS, 4, glow::UNSIGNED_BYTE, true, 0);
             gl.vertex_array_attrib_binding_f32(raw, COLORS, 1);
-            Ok(Self { gl: Arc::clone(gl), raw, bytes: size_of::<V>() as i32 })
+            Ok(Self { gl: gl.clone(), raw, bytes: size_of::<V>() as i32 })
         }
     }
 

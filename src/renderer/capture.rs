@@ -1,15 +1,13 @@
 //! The triangles that a frame draws, as the tessellation stages make them.
 #![allow(unsafe_code, reason = "transform feedback is unsafe in glow")]
 
-use std::sync::Arc;
-
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
 use super::programs::Output;
 use super::{Frame, PreparedScene, Renderer};
 use crate::error::Result;
-use crate::gpu::{Buffer, Target};
+use crate::gpu::{Buffer, Gl, Target};
 use crate::scene::{Method, Normals};
 
 /// A corner of a triangle that the exact method draws.
@@ -46,7 +44,7 @@ impl PreparedScene {
         frame.settings.normals = Normals::Vertex;
         let mut kept = Vec::new();
         let target = Target::bound(renderer.gl());
-        let gl = Arc::clone(renderer.gl());
+        let gl = renderer.gl().clone();
         let (surfaces, drawing) = self.for_drawing();
         drawing.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
         let output = Output::Triangles;
@@ -63,13 +61,13 @@ impl PreparedScene {
 
 /// One draw whose triangles are kept instead of being filled.
 pub(super) struct Feedback {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     buffer: Buffer,
     vertices: usize,
 }
 
 impl Feedback {
-    pub(super) fn begin(gl: &Arc<glow::Context>, triangles: u64) -> Result<Self> {
+    pub(super) fn begin(gl: &Gl, triangles: u64) -> Result<Self> {
         let vertices = 3 * triangles as usize;
         let buffer = Buffer::new(gl, "kept triangles", &vec![DrawnVertex::zeroed(); vertices])?;
         buffer.bind_feedback();
@@ -79,7 +77,7 @@ impl Feedback {
             gl.enable(glow::RASTERIZER_DISCARD);
             gl.begin_transform_feedback(glow::TRIANGLES);
         }
-        Ok(Self { gl: Arc::clone(gl), buffer, vertices })
+        Ok(Self { gl: gl.clone(), buffer, vertices })
     }
 
     pub(super) fn end(self, kept: &mut Vec<DrawnVertex>) {

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::mem::offset_of;
 use std::ops::Range;
-use std::sync::Arc;
+use std::rc::Rc;
 
 use bytemuck::Pod;
 use glam::{DMat3, DMat4, DVec3, DVec4, UVec2, Vec4};
@@ -16,7 +16,7 @@ use super::surface::{PreparedSurface, Revision};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
+use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
     DrawSize, EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, Plan, Rounding, Screen,
@@ -113,7 +113,7 @@ impl DrawList {
     /// yet get them.
     pub(crate) fn update(
         &mut self,
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         surfaces: &mut [PreparedSurface],
         frame: &Frame,
         size: UVec2,
@@ -193,8 +193,8 @@ impl DrawList {
             let batches = &mut self.batches;
             let mut list = |degenerate: bool, trimmed: bool| {
                 let key = BatchKey {
-                    points: Arc::as_ptr(surface.uploaded_points().texels()),
-                    texture: Arc::as_ptr(surface.texture()),
+                    points: Rc::as_ptr(surface.uploaded_points().texels()),
+                    texture: Rc::as_ptr(surface.texture()),
                     degree: surface.degree(),
                     shading: surface.shading(),
                     degenerate,
@@ -274,7 +274,7 @@ impl DrawList {
     /// Brings the plan and the matrices to the driver, and makes the draws.
     fn upload(
         &mut self,
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         surfaces: &[PreparedSurface],
         seen: &PlanKey,
         draw_size: DrawSize,

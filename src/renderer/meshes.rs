@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use std::mem::offset_of;
-use std::sync::Arc;
+use std::rc::Rc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3};
@@ -16,7 +16,7 @@ use super::{
     DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
 };
 use crate::error::Result;
-use crate::gpu::{Attribute, Buffer, Target, TexelBuffer, Texture, Vertex};
+use crate::gpu::{Attribute, Buffer, Gl, Target, TexelBuffer, Texture, Vertex};
 use crate::mesh::{Corner, Smoothing};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
@@ -90,7 +90,7 @@ struct Draw {
 #[derive(Debug)]
 struct Painted {
     end: usize,
-    texture: Arc<Texture>,
+    texture: Rc<Texture>,
 }
 
 impl Painted {
@@ -125,9 +125,9 @@ pub(crate) struct PreparedMesh {
 impl PreparedMesh {
     /// Uploads a mesh; `texture` uploads a paint.
     pub(crate) fn new<'a>(
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         model: &'a MeshModel,
-        mut texture: impl FnMut(&'a Paint) -> Result<Arc<Texture>>,
+        mut texture: impl FnMut(&'a Paint) -> Result<Rc<Texture>>,
     ) -> Result<Self> {
         check_transform(&model.transform)?;
         let mesh = model.mesh().mesh();
@@ -223,7 +223,7 @@ impl PreparedMesh {
     /// Brings levels and draws up to date with a frame.
     pub(crate) fn update(
         &mut self,
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         frame: &Frame,
         target: &Target,
         draw_size: DrawSize,

@@ -1,14 +1,12 @@
 //! Pictures with several samples a pixel: by the driver's multisampling as far as it goes, beyond
 //! that by drawing the scene once for each sample and averaging.
 
-use std::sync::Arc;
-
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
 use super::{Frame, PreparedScene, Renderer};
 use crate::camera::ViewProjection;
 use crate::error::{Error, Result};
-use crate::gpu::{DriverInfo, Framebuffer};
+use crate::gpu::{DriverInfo, Framebuffer, Gl};
 use crate::scene::{Image, Samples};
 
 impl Framebuffer {
@@ -17,11 +15,7 @@ impl Framebuffer {
     ///
     /// # Errors
     /// As [`Framebuffer::new`].
-    pub fn for_samples(
-        gl: &Arc<glow::Context>,
-        (width, height): (u32, u32),
-        samples: Samples,
-    ) -> Result<Self> {
+    pub fn for_samples(gl: &Gl, (width, height): (u32, u32), samples: Samples) -> Result<Self> {
         let most = u32::try_from(DriverInfo::of(gl).max_samples).unwrap_or(0);
         let at_once = if samples.get() <= most { samples.get() } else { 1 };
         Self::with_samples(gl, width, height, at_once)

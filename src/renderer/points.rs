@@ -1,13 +1,13 @@
 //! Control points in the driver's memory: centred and scaled in `f64`, so that 32-bit floats lose
 //! nothing wherever a model stands and whatever its size.
 
-use std::sync::Arc;
+use std::rc::Rc;
 
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use crate::bezier::homogeneous;
 use crate::error::Result;
-use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
+use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
 
 /// A box of control points, moved to the origin and scaled to about ±1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,7 +50,7 @@ impl Vertex for Vec4 {
 /// The control points of a surface, in a buffer that several surfaces may share.
 #[derive(Debug)]
 pub(crate) struct ControlPoints {
-    buffer: Arc<TexelBuffer>,
+    buffer: Rc<TexelBuffer>,
     first: usize,
     centering: LocalFrame,
     /// The largest coordinate after centring and scaling: 1, or more since points were moved.
@@ -61,20 +61,17 @@ pub(crate) struct ControlPoints {
 
 impl ControlPoints {
     /// Uploads the control points of several surfaces into one buffer; each with its centering.
-    pub(crate) fn upload(
-        gl: &Arc<glow::Context>,
-        surfaces: &[(&[DVec4], LocalFrame)],
-    ) -> Result<Vec<Self>> {
+    pub(crate) fn upload(gl: &Gl, surfaces: &[(&[DVec4], LocalFrame)]) -> Result<Vec<Self>> {
         let count = surfaces.iter().map(|(points, _)| points.len()).sum();
         let mut values = Vec::with_capacity(count);
         for (points, centering) in surfaces {
             values.extend(points.iter().map(|point| centering.apply(*point)));
         }
-        let buffer = Arc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
+        let buffer = Rc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
         let mut first = 0;
         let place = |(points, centering): &(&[DVec4], LocalFrame)| {
             let place = Self {
-                buffer: Arc::clone(&buffer),
+                buffer: Rc::clone(&buffer),
                 first,
                 centering: *centering,
                 extent: 1.0,
@@ -133,7 +130,7 @@ impl ControlPoints {
         self.centering
     }
 
-    pub(crate) fn texels(&self) -> &Arc<TexelBuffer> {
+    pub(crate) fn texels(&self) -> &Rc<TexelBuffer> {
         &self.buffer
     }
 

@@ -1,6 +1,7 @@
 //! A whole scene in the driver's memory.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::meshes::PreparedMesh;
@@ -29,17 +30,17 @@ impl PreparedScene {
     /// Trims or transforms out of their range, a texture that the driver cannot hold, no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
         let gl = renderer.gl();
-        let mut textures: Vec<(&Paint, bool, Arc<Texture>)> = Vec::new();
+        let mut textures: Vec<(&Paint, bool, Rc<Texture>)> = Vec::new();
         let mut texture = |paint, repeats| {
             let known = textures
                 .iter()
                 .find(|(other, as_well, _)| *as_well == repeats && same(other, paint));
             if let Some((.., texture)) = known {
-                return Ok(Arc::clone(texture));
+                return Ok(Rc::clone(texture));
             }
             let texture = paint.upload(gl)?;
-            let texture = Arc::new(if repeats { texture.repeating() } else { texture });
-            textures.push((paint, repeats, Arc::clone(&texture)));
+            let texture = Rc::new(if repeats { texture.repeating() } else { texture });
+            textures.push((paint, repeats, Rc::clone(&texture)));
             Result::Ok(texture)
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());

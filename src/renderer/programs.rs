@@ -6,11 +6,10 @@
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::num::NonZeroU32;
-use std::sync::Arc;
 
 use crate::bezier::Degree;
 use crate::error::Result;
-use crate::gpu::{Program, ShaderPart, Stage, StageKind};
+use crate::gpu::{Gl, Program, ShaderPart, Stage, StageKind};
 use crate::scene::{Method, Normals, Shading};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
@@ -351,7 +350,7 @@ impl Sources {
     ///
     /// # Errors
     /// A shader that the driver does not take; with file and line.
-    pub fn link(&self, gl: &Arc<glow::Context>, key: ProgramKey) -> Result<Program> {
+    pub fn link(&self, gl: &Gl, key: ProgramKey) -> Result<Program> {
         use StageKind::{Fragment, Geometry, TessControl, TessEvaluation, Vertex};
         let (label, side, files): (_, _, &[(StageKind, &'static str)]) = match key.pipeline {
             Pipeline::Thesis(degree) => (

@@ -3,7 +3,6 @@
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use std::mem::offset_of;
-use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
@@ -12,7 +11,7 @@ use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
 use super::{Frame, Renderer, set_depth, set_for_aovs, set_lights};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
-use crate::gpu::{Attribute, Buffer, FloatTarget, Target, Texture, Vertex, VertexArray};
+use crate::gpu::{Attribute, Buffer, FloatTarget, Gl, Target, Texture, Vertex, VertexArray};
 use crate::scene::{Method, Shading};
 
 /// A corner of triangles.
@@ -42,7 +41,7 @@ impl Vertex for StaticVertex {
 /// Triangles in the driver's memory.
 #[derive(Debug)]
 pub struct StaticMesh {
-    gl: Arc<glow::Context>,
+    gl: Gl,
     vertices: Buffer,
     indices: Buffer,
     count: usize,
@@ -54,14 +53,10 @@ impl StaticMesh {
     ///
     /// # Errors
     /// An index without its vertex; no memory for them, or 2 GiB and more.
-    pub fn new(
-        gl: &Arc<glow::Context>,
-        vertices: &[StaticVertex],
-        indices: &[u32],
-    ) -> Result<Self> {
+    pub fn new(gl: &Gl, vertices: &[StaticVertex], indices: &[u32]) -> Result<Self> {
         check(vertices, indices)?;
         Ok(Self {
-            gl: Arc::clone(gl),
+            gl: gl.clone(),
             vertices: Buffer::new(gl, "vertices of triangles", vertices)?,
             indices: Buffer::new(gl, "indices of triangles", indices)?,
             count: indices.len(),
@@ -99,12 +94,7 @@ fn check(vertices: &[StaticVertex], indices: &[u32]) -> Result<()> {
     }
 }
 
-fn refill<T: Pod>(
-    gl: &Arc<glow::Context>,
-    buffer: &mut Buffer,
-    label: &str,
-    values: &[T],
-) -> Result<()> {
+fn refill<T: Pod>(gl: &Gl, buffer: &mut Buffer, label: &str, values: &[T]) -> Result<()> {
     if size_of_val(values) <= buffer.bytes() {
         buffer.write(0, values);
     } else {

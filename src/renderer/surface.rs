@@ -1,6 +1,6 @@
 //! A surface in the driver's memory.
 
-use std::sync::Arc;
+use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DMat4, DVec3, DVec4};
@@ -9,7 +9,7 @@ use super::points::{ControlPoints, LocalFrame};
 use super::trims::UploadedTrims;
 use crate::bezier::Degree;
 use crate::error::Result;
-use crate::gpu::Texture;
+use crate::gpu::{Gl, Texture};
 use crate::scene::{Cull, Image, Paint, RenderSettings, Shading, Surface, check_transform};
 use crate::tessellation::NormalCone;
 use crate::trim::Trims;
@@ -23,7 +23,7 @@ pub struct PreparedSurface {
     control_points: ControlPoints,
     /// Of each patch.
     cones: Vec<NormalCone>,
-    texture: Arc<Texture>,
+    texture: Rc<Texture>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
 }
@@ -45,11 +45,7 @@ fn new_number() -> u64 {
 
 impl PreparedSurface {
     /// Uploads a surface; the texture is used whatever the surface's paint says.
-    pub(crate) fn new(
-        gl: &Arc<glow::Context>,
-        surface: Surface,
-        texture: Arc<Texture>,
-    ) -> Result<Self> {
+    pub(crate) fn new(gl: &Gl, surface: Surface, texture: Rc<Texture>) -> Result<Self> {
         let points = surface.control_points();
         let centering = LocalFrame::of(points.iter());
         let mut uploaded = ControlPoints::upload(gl, &[(points, centering)])?;
@@ -59,7 +55,7 @@ impl PreparedSurface {
     /// The same with control points that are there already.
     pub(super) fn with_points(
         surface: Surface,
-        texture: Arc<Texture>,
+        texture: Rc<Texture>,
         control_points: ControlPoints,
     ) -> Result<Self> {
         check_transform(&surface.transform)?;
@@ -128,7 +124,7 @@ impl PreparedSurface {
     }
 
     /// Gives the surface a picture; several surfaces may share one.
-    pub fn set_texture(&mut self, texture: Arc<Texture>) {
+    pub fn set_texture(&mut self, texture: Rc<Texture>) {
         self.texture = texture;
         self.revision.rest = new_number();
     }
@@ -163,11 +159,7 @@ impl PreparedSurface {
     }
 
     /// Brings what a method needs for the trims to the GPU, if it is not there yet.
-    pub(crate) fn upload_trims(
-        &mut self,
-        gl: &Arc<glow::Context>,
-        settings: &RenderSettings,
-    ) -> Result<()> {
+    pub(crate) fn upload_trims(&mut self, gl: &Gl, settings: &RenderSettings) -> Result<()> {
         self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
     }
 
@@ -179,7 +171,7 @@ impl PreparedSurface {
         self.surface.shading
     }
 
-    pub(super) const fn texture(&self) -> &Arc<Texture> {
+    pub(super) const fn texture(&self) -> &Rc<Texture> {
         &self.texture
     }
 
@@ -216,7 +208,7 @@ impl Paint {
     ///
     /// # Errors
     /// As [`Texture::new`].
-    pub fn upload(&self, gl: &Arc<glow::Context>) -> Result<Texture> {
+    pub fn upload(&self, gl: &Gl) -> Result<Texture> {
         match self {
             Self::Texture(image) => Texture::new(gl, "surface picture", image),
             Self::Color(rgb) => {

@@ -8,7 +8,7 @@ use super::programs::{
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
 use crate::error::Result;
-use crate::gpu::{Buffer, Program, TexelBuffer};
+use crate::gpu::{Buffer, Gl, Program, TexelBuffer};
 use crate::scene::{Method, RenderSettings, TessLevel, Tessellation};
 use crate::tessellation::{FixedParts, TrimParts};
 use crate::trim::{Newton, NewtonTrims, TrimGrid, Trims};
@@ -25,7 +25,7 @@ impl UploadedTrims {
     /// Makes what a method needs, unless it is there.
     pub(super) fn prepare(
         &mut self,
-        gl: &Arc<glow::Context>,
+        gl: &Gl,
         trims: &Trims,
         settings: &RenderSettings,
     ) -> Result<()> {
@@ -58,7 +58,7 @@ pub(crate) struct ThesisTrims {
 }
 
 impl ThesisTrims {
-    fn new(gl: &Arc<glow::Context>, trims: &Trims) -> Result<Self> {
+    fn new(gl: &Gl, trims: &Trims) -> Result<Self> {
         let loops = NewtonTrims::of(trims)?;
         let points: Vec<Vec2> = loops.points().map(|point| point.as_vec2()).collect();
         let points = uploaded(gl, "trim points", &points)?;
@@ -138,7 +138,7 @@ pub(crate) struct ExactTrims {
 }
 
 impl ExactTrims {
-    fn new(gl: &Arc<glow::Context>, trims: &Trims) -> Result<Self> {
+    fn new(gl: &Gl, trims: &Trims) -> Result<Self> {
         let grid = Arc::new(TrimGrid::new(trims));
         let features = TrimFeatures {
             loop_columns: grid.loop_columns(),
@@ -179,11 +179,7 @@ impl ExactTrims {
     }
 }
 
-fn uploaded<T: bytemuck::Pod>(
-    gl: &Arc<glow::Context>,
-    label: &str,
-    values: &[T],
-) -> Result<Option<Buffer>> {
+fn uploaded<T: bytemuck::Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Option<Buffer>> {
     if values.is_empty() {
         return Ok(None);
     }

@@ -2,9 +2,8 @@
 #![allow(unsafe_code, reason = "glutin's calls and glow's are unsafe")]
 
 use std::num::NonZeroU32;
-use std::sync::Arc;
 
-use freeform_surface::gpu::DebugLog;
+use freeform_surface::gpu::{DebugLog, Gl};
 use freeform_surface::{Error, Result};
 use glow::HasContext as _;
 use glutin::config::{Config, ConfigTemplateBuilder};
@@ -27,7 +26,7 @@ pub(super) struct GlWindow {
     // The order matters: the surface goes before the context, and both before the window.
     surface: Surface<WindowSurface>,
     context: PossiblyCurrentContext,
-    gl: Arc<glow::Context>,
+    gl: Gl,
     debug_log: DebugLog,
     window: Window,
 }
@@ -85,10 +84,12 @@ impl GlWindow {
             glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name))
         };
         let debug_log = DebugLog::install(&mut gl);
-        Ok(Self { surface, context, gl: Arc::new(gl), debug_log, window })
+        // SAFETY: the context stays current; what is drawn goes before it (see `Shown`).
+        let gl = unsafe { Gl::new(gl) };
+        Ok(Self { surface, context, gl, debug_log, window })
     }
 
-    pub(super) const fn gl(&self) -> &Arc<glow::Context> {
+    pub(super) const fn gl(&self) -> &Gl {
         &self.gl
     }
 

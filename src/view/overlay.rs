@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use egui::{Context, Pos2, Rect, ViewportId};
 use egui_glow::Painter;
+use freeform_surface::gpu::Gl;
 use freeform_surface::{Error, Result};
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
@@ -22,14 +23,11 @@ pub(super) struct Overlay {
 }
 
 impl Overlay {
-    pub(super) fn new(
-        events: &ActiveEventLoop,
-        gl: &Arc<glow::Context>,
-        window: &Window,
-    ) -> Result<Self> {
-        let painter = Painter::new(Arc::clone(gl), "", None, false).map_err(|error| {
-            Error::Driver { what: "the panel".into(), reason: error.to_string() }
-        })?;
+    pub(super) fn new(events: &ActiveEventLoop, gl: &Gl, window: &Window) -> Result<Self> {
+        let painter =
+            Painter::new(Arc::clone(gl.functions()), "", None, false).map_err(|error| {
+                Error::Driver { what: "the panel".into(), reason: error.to_string() }
+            })?;
         let context = Context::default();
         // Its own zoom keys are the tolerance's.
         context.options_mut(|options| options.zoom_with_keyboard = false);

@@ -1,9 +1,8 @@
 //! The scene in the driver's memory, and the picture that the window shows of it.
 
-use std::sync::Arc;
 use std::time::Instant;
 
-use freeform_surface::gpu::{self, Framebuffer};
+use freeform_surface::gpu::{self, Framebuffer, Gl};
 use freeform_surface::{Frame, FrameStats, Image, PreparedScene, Renderer, Result, Samples, Scene};
 
 use super::state::{Changes, State};
@@ -23,7 +22,7 @@ pub(super) struct Screen {
 }
 
 impl Screen {
-    pub(super) fn new(gl: &Arc<glow::Context>) -> Result<Self> {
+    pub(super) fn new(gl: &Gl) -> Result<Self> {
         let renderer = Renderer::new(gl)?;
         let nothing = Scene { surfaces: Vec::new(), ..Scene::listing16() };
         Ok(Self {

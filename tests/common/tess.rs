@@ -14,7 +14,6 @@ use super::{Checked, backends};
 
 /// A context with a target that scenes are drawn in, one after the other.
 pub struct Stage {
-    // The order matters: OpenGL objects go before the context.
     target: Framebuffer,
     numbers: FloatTarget,
     pub renderer: Renderer,

@@ -1,10 +1,9 @@
 //! Where things are measured: a context, its targets, and the folder of scenes.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use freeform_surface::gpu::{self, FloatTarget, Framebuffer, Timer};
+use freeform_surface::gpu::{self, FloatTarget, Framebuffer, Gl, Timer};
 use freeform_surface::measure::{Measurement, Timing, in_turns_by, measure, measure_drawn};
 use freeform_surface::renderer::programs::Sources;
 use freeform_surface::renderer::{StaticLook, StaticMesh};
@@ -17,7 +16,6 @@ use indicatif::ProgressBar;
 
 /// Measures scenes in pictures of one size.
 pub(super) struct Lab {
-    // The order matters: OpenGL objects go before the context.
     picture: Framebuffer,
     numbers: FloatTarget,
     renderer: Renderer,
@@ -246,8 +244,8 @@ impl Lab {
     }
 
     /// The functions of the context, for objects of a section's own.
-    pub(super) fn gl(&self) -> Arc<glow::Context> {
-        Arc::clone(self.context.gl())
+    pub(super) fn gl(&self) -> Gl {
+        self.context.gl().clone()
     }
 
     /// A scene in the driver's memory.

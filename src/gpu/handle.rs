@@ -1,0 +1,60 @@
+//! The handle of an OpenGL context.
+
+use std::any::Any;
+use std::ops::Deref;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// An OpenGL context, in the hands of everything that is made with it.
+///
+/// It stays on its thread, and with it what holds it. A context of `Headless` lives as long as
+/// the last thing that was made with it.
+///
+/// ```compile_fail
+/// fn is_sent<T: Send>() {}
+/// is_sent::<freeform_surface::Renderer>();
+/// ```
+#[derive(Clone)]
+pub struct Gl {
+    functions: Arc<glow::Context>,
+    /// Keeps the context alive; `None` if that is the caller's part.
+    _owner: Option<Rc<dyn Any>>,
+}
+
+impl Gl {
+    /// The handle of a context of the caller's.
+    ///
+    /// # Safety
+    /// The context must be current on the calling thread now, and whenever the handle, or anything made with it, is
+    /// used or dropped.
+    #[must_use]
+    pub unsafe fn new(functions: impl Into<Arc<glow::Context>>) -> Self {
+        Self { functions: functions.into(), _owner: None }
+    }
+
+    /// The handle of a context that lives as long as its owner.
+    #[cfg(feature = "headless")]
+    pub(crate) fn owned(functions: glow::Context, owner: Rc<dyn Any>) -> Self {
+        Self { functions: functions.into(), _owner: Some(owner) }
+    }
+
+    /// The functions, as other crates take them.
+    #[must_use]
+    pub const fn functions(&self) -> &Arc<glow::Context> {
+        &self.functions
+    }
+}
+
+impl Deref for Gl {
+    type Target = glow::Context;
+
+    fn deref(&self) -> &glow::Context {
+        &self.functions
+    }
+}
+
+impl std::fmt::Debug for Gl {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Gl").finish_non_exhaustive()
+    }
+}
