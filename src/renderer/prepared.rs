@@ -126,6 +126,9 @@ impl PreparedScene {
 
     /// Clears the bound framebuffer and draws the scene into it; says what was drawn.
     ///
+    /// A pixel has as many samples as the framebuffer has; [`PreparedScene::picture`] draws those that the
+    /// settings ask for.
+    ///
     /// # Errors
     /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
     /// method cannot cut.

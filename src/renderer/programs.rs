@@ -3,14 +3,17 @@
 //! A program is put together from files of `glsl/` and from what a surface has: without trims no
 //! trim code is compiled in. `glsl/README.md` has the table of names and places.
 
+mod recipes;
+
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::num::NonZeroU32;
 
 use crate::bezier::Degree;
 use crate::error::Result;
-use crate::gpu::{Gl, Program, ShaderPart, Stage, StageKind};
+use crate::gpu::{Gl, Program, ShaderPart, Stage};
 use crate::scene::{Method, Normals, Shading};
+use recipes::{Facts, recipe};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
 pub mod location {
@@ -351,133 +354,54 @@ impl Sources {
     /// # Errors
     /// A shader that the driver does not take; with file and line.
     pub fn link(&self, gl: &Gl, key: ProgramKey) -> Result<Program> {
-        use StageKind::{Fragment, Geometry, TessControl, TessEvaluation, Vertex};
-        let (label, side, files): (_, _, &[(StageKind, &'static str)]) = match key.pipeline {
-            Pipeline::Thesis(degree) => (
-                "thesis surface",
-                degree.side(),
-                &[
-                    (Vertex, "thesis/surface.vert"),
-                    (TessControl, "thesis/surface.tesc"),
-                    (TessEvaluation, "thesis/surface.tese"),
-                    (Fragment, "thesis/surface.frag"),
-                ],
-            ),
-            Pipeline::Report => (
-                "report surface",
-                Degree::Quartic.side(),
-                &[
-                    (Vertex, "thesis/surface.vert"),
-                    (TessControl, "report/surface.tesc"),
-                    (TessEvaluation, "report/surface.tese"),
-                    (Fragment, "report/surface.frag"),
-                ],
-            ),
-            Pipeline::Exact { degree, .. } => (
-                "exact surface",
-                degree.side(),
-                &[
-                    (Vertex, "exact/surface.vert"),
-                    (TessControl, "exact/surface.tesc"),
-                    (TessEvaluation, "exact/surface.tese"),
-                    (Fragment, "exact/surface.frag"),
-                ],
-            ),
-            Pipeline::Triangles { .. } => (
-                "smooth triangles",
-                3,
-                &[
-                    (Vertex, "triangles/triangle.vert"),
-                    (TessControl, "triangles/triangle.tesc"),
-                    (TessEvaluation, "triangles/triangle.tese"),
-                    (Fragment, "exact/surface.frag"),
-                ],
-            ),
-            Pipeline::Static(Method::Exact) => (
-                "static triangles",
-                3,
-                &[(Vertex, "common/static.vert"), (Fragment, "exact/surface.frag")],
-            ),
-            Pipeline::Static(Method::Thesis) => (
-                "static triangles, as the thesis",
-                3,
-                &[(Vertex, "common/static.vert"), (Fragment, "thesis/surface.frag")],
-            ),
-            Pipeline::Points => (
-                "control points",
-                1,
-                &[(Vertex, "report/points.vert"), (Fragment, "report/surface.frag")],
-            ),
+        let side = match key.pipeline {
+            Pipeline::Thesis(degree) | Pipeline::Exact { degree, .. } => degree.side(),
+            Pipeline::Report => Degree::Quartic.side(),
+            Pipeline::Triangles { .. } | Pipeline::Static(_) => 3,
+            Pipeline::Points => 1,
         };
         let mut defines = vec![("SIDE", side as u32)];
-        let mut trim = "thesis/trim.glsl";
-        let aov = key.output == Output::Aovs;
-        let mut pixel_normals = false;
+        let mut facts = Facts {
+            aovs: key.output == Output::Aovs,
+            phong: key.shading == Shading::Phong,
+            trimmed: key.trims.any(),
+            pixel_normals: false,
+        };
+        let mut on: Vec<(&'static str, bool)> = Vec::new();
         if let Pipeline::Exact { samples, degenerate, shared, normals, .. } = key.pipeline {
-            defines.push(("SAMPLES", if aov { 1 } else { samples }));
-            trim = "common/trim.glsl";
-            pixel_normals = normals == Normals::Pixel && (aov || key.shading != Shading::Unlit);
-            let on =
-                [("DEGENERATE", degenerate), ("SHARED", shared), ("PIXEL_NORMALS", pixel_normals)];
-            defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
+            defines.push(("SAMPLES", if facts.aovs { 1 } else { samples }));
+            facts.pixel_normals =
+                normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
+            on.extend([
+                ("DEGENERATE", degenerate),
+                ("SHARED", shared),
+                ("PIXEL_NORMALS", facts.pixel_normals),
+            ]);
         }
         if let Pipeline::Triangles { phong, colored } = key.pipeline {
-            let on = [("PHONG_TESSELLATION", phong), ("COLORED", colored)];
-            defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
+            on.extend([("PHONG_TESSELLATION", phong), ("COLORED", colored)]);
         }
-        if key.output != Output::Picture {
-            defines.push(("AOV", 1));
-        }
-        if key.cut_out {
-            defines.push(("CUT_OUT", 1));
-        }
-        if key.far_depth {
-            defines.push(("FAR_DEPTH", 1));
-        }
-        match key.shading {
-            Shading::Phong => defines.push(("PHONG", 1)),
-            Shading::Unlit => {}
-            Shading::Normals => defines.push(("NORMALS", 1)),
-        }
-        let on = key.trims.defines().into_iter().filter(|(_, on)| *on);
-        defines.extend(on.map(|(name, _)| (name, 1)));
+        on.extend([
+            ("AOV", key.output != Output::Picture),
+            ("CUT_OUT", key.cut_out),
+            ("FAR_DEPTH", key.far_depth),
+            ("PHONG", key.shading == Shading::Phong),
+            ("NORMALS", key.shading == Shading::Normals),
+        ]);
+        on.extend(key.trims.defines());
+        defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
         defines.extend(key.trims.loop_columns.map(|columns| ("LOOP_COLUMNS", columns.get())));
 
-        let numbers = aov.then_some(&(Geometry, "common/aov.geom"));
-        let stages: Vec<Stage> = files
-            .iter()
-            .chain(numbers)
-            .map(|(kind, file)| {
-                let exact = matches!(key.pipeline, Pipeline::Exact { .. });
-                let triangles = matches!(key.pipeline, Pipeline::Triangles { .. });
-                let plain = triangles || key.pipeline == Pipeline::Static(Method::Exact);
-                let mut parts = Vec::with_capacity(5);
-                if *kind == TessEvaluation && (exact || triangles) {
-                    parts.push(self.part("common/levels.glsl"));
-                }
-                let evaluates = *kind == TessEvaluation || *kind == Fragment && pixel_normals;
-                if exact && (*kind == TessControl || evaluates) {
-                    parts.push(self.part("exact/points.glsl"));
-                }
-                if exact && evaluates {
-                    parts.push(self.part("exact/patch.glsl"));
-                }
-                if *kind == Fragment {
-                    if exact && (pixel_normals || !aov) || plain && !aov {
-                        parts.push(self.part("common/normal.frag"));
-                    }
-                    if key.shading == Shading::Phong && !aov {
-                        parts.push(self.part("common/phong.glsl"));
-                    }
-                    if key.trims.any() {
-                        parts.push(self.part(trim));
-                    }
-                }
-                let numbers = *kind == Fragment && aov;
-                parts.push(self.part(if numbers { "common/aov.frag" } else { file }));
-                Stage { kind: *kind, parts }
-            })
-            .collect();
+        let (label, ingredients) = recipe(key.pipeline);
+        let mut stages: Vec<Stage> = Vec::new();
+        for ingredient in ingredients.iter().filter(|ingredient| ingredient.is_part(&facts)) {
+            if stages.last().is_none_or(|stage| stage.kind != ingredient.stage) {
+                stages.push(Stage { kind: ingredient.stage, parts: Vec::new() });
+            }
+            if let Some(stage) = stages.last_mut() {
+                stage.parts.push(self.part(ingredient.file));
+            }
+        }
         let kept: &[&str] = if key.output == Output::Triangles { &KEPT } else { &[] };
         Program::new(gl, label, &defines, &stages, kept)
     }

@@ -1,0 +1,144 @@
+//! Which files of `glsl/` each stage of a program is made of, in their order.
+
+use super::Pipeline;
+use crate::gpu::StageKind::{self, Fragment, Geometry, TessControl, TessEvaluation, Vertex};
+use crate::scene::Method;
+
+/// A file of a stage.
+pub(super) struct Ingredient {
+    pub(super) stage: StageKind,
+    pub(super) file: &'static str,
+    when: When,
+}
+
+/// When a file is part of its stage.
+#[derive(Clone, Copy)]
+enum When {
+    Always,
+    /// A colour is made, or nothing but triangles.
+    Picture,
+    /// Numbers are written.
+    Aovs,
+    /// A picture is lit by the lamps.
+    Lit,
+    /// Something may be cut.
+    Trimmed,
+    /// Normals are evaluated at pixels.
+    PixelNormals,
+    /// The fragment stage needs a normal: in a picture, or evaluated at pixels.
+    Normal,
+}
+
+/// What decides about the files of a program.
+pub(super) struct Facts {
+    pub(super) aovs: bool,
+    pub(super) phong: bool,
+    pub(super) trimmed: bool,
+    pub(super) pixel_normals: bool,
+}
+
+impl Ingredient {
+    pub(super) const fn is_part(&self, facts: &Facts) -> bool {
+        match self.when {
+            When::Always => true,
+            When::Picture => !facts.aovs,
+            When::Aovs => facts.aovs,
+            When::Lit => facts.phong && !facts.aovs,
+            When::Trimmed => facts.trimmed,
+            When::PixelNormals => facts.pixel_normals,
+            When::Normal => facts.pixel_normals || !facts.aovs,
+        }
+    }
+}
+
+macro_rules! recipe {
+    ($($stage:ident $file:literal $when:ident;)*) => {
+        &[$(Ingredient { stage: $stage, file: $file, when: When::$when }),*]
+    };
+}
+
+/// The name of a pipeline in messages, and its files.
+pub(super) const fn recipe(pipeline: Pipeline) -> (&'static str, &'static [Ingredient]) {
+    match pipeline {
+        Pipeline::Thesis(_) => ("thesis surface", THESIS),
+        Pipeline::Report => ("report surface", REPORT),
+        Pipeline::Exact { .. } => ("exact surface", EXACT),
+        Pipeline::Triangles { .. } => ("smooth triangles", TRIANGLES),
+        Pipeline::Static(Method::Exact) => ("static triangles", STATIC_EXACT),
+        Pipeline::Static(Method::Thesis) => ("static triangles, as the thesis", STATIC_THESIS),
+        Pipeline::Points => ("control points", POINTS),
+    }
+}
+
+const THESIS: &[Ingredient] = recipe! {
+    Vertex "thesis/surface.vert" Always;
+    TessControl "thesis/surface.tesc" Always;
+    TessEvaluation "thesis/surface.tese" Always;
+    Geometry "common/aov.geom" Aovs;
+    Fragment "common/phong.glsl" Lit;
+    Fragment "thesis/trim.glsl" Trimmed;
+    Fragment "common/aov.frag" Aovs;
+    Fragment "thesis/surface.frag" Picture;
+};
+
+const REPORT: &[Ingredient] = recipe! {
+    Vertex "thesis/surface.vert" Always;
+    TessControl "report/surface.tesc" Always;
+    TessEvaluation "report/surface.tese" Always;
+    Fragment "thesis/trim.glsl" Trimmed;
+    Fragment "report/surface.frag" Picture;
+};
+
+const EXACT: &[Ingredient] = recipe! {
+    Vertex "exact/surface.vert" Always;
+    TessControl "exact/points.glsl" Always;
+    TessControl "exact/surface.tesc" Always;
+    TessEvaluation "common/levels.glsl" Always;
+    TessEvaluation "exact/points.glsl" Always;
+    TessEvaluation "exact/patch.glsl" Always;
+    TessEvaluation "exact/surface.tese" Always;
+    Geometry "common/aov.geom" Aovs;
+    Fragment "exact/points.glsl" PixelNormals;
+    Fragment "exact/patch.glsl" PixelNormals;
+    Fragment "common/normal.frag" Normal;
+    Fragment "common/phong.glsl" Lit;
+    Fragment "common/trim.glsl" Trimmed;
+    Fragment "common/aov.frag" Aovs;
+    Fragment "exact/surface.frag" Picture;
+};
+
+const TRIANGLES: &[Ingredient] = recipe! {
+    Vertex "triangles/triangle.vert" Always;
+    TessControl "triangles/triangle.tesc" Always;
+    TessEvaluation "common/levels.glsl" Always;
+    TessEvaluation "triangles/triangle.tese" Always;
+    Geometry "common/aov.geom" Aovs;
+    Fragment "common/normal.frag" Picture;
+    Fragment "common/phong.glsl" Lit;
+    Fragment "common/aov.frag" Aovs;
+    Fragment "exact/surface.frag" Picture;
+};
+
+const STATIC_EXACT: &[Ingredient] = recipe! {
+    Vertex "common/static.vert" Always;
+    Geometry "common/aov.geom" Aovs;
+    Fragment "common/normal.frag" Picture;
+    Fragment "common/phong.glsl" Lit;
+    Fragment "thesis/trim.glsl" Trimmed;
+    Fragment "common/aov.frag" Aovs;
+    Fragment "exact/surface.frag" Picture;
+};
+
+const STATIC_THESIS: &[Ingredient] = recipe! {
+    Vertex "common/static.vert" Always;
+    Geometry "common/aov.geom" Aovs;
+    Fragment "common/phong.glsl" Lit;
+    Fragment "thesis/trim.glsl" Trimmed;
+    Fragment "common/aov.frag" Aovs;
+    Fragment "thesis/surface.frag" Picture;
+};
+
+const POINTS: &[Ingredient] = recipe! {
+    Vertex "report/points.vert" Always;
+    Fragment "report/surface.frag" Picture;
+};
