@@ -25,8 +25,8 @@
 //!     settings: scene.settings,
 //! };
 //! target.bind();
-//! let figures = PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
-//! assert_eq!(figures.unmet, None, "how far off it is where the tolerance could not be met");
+//! let stats = PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
+//! assert_eq!(stats.unmet, None, "how far off it is where the tolerance could not be met");
 //! let picture = target.read();
 //! # Ok(())
 //! # }

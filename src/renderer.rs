@@ -168,7 +168,7 @@ impl Renderer {
     pub(crate) fn draw_surfaces(
         &mut self,
         surfaces: &mut [PreparedSurface],
-        drawing: &mut DrawList,
+        draw_list: &mut DrawList,
         frame: &Frame,
         output: Output,
     ) -> Result<FrameStats> {
@@ -176,9 +176,9 @@ impl Renderer {
             Method::Thesis => self.draw_ported(surfaces, frame, output),
             Method::Exact => {
                 let target = Target::bound(&self.gl);
-                drawing.update(&self.gl, surfaces, frame, target.size, self.draw_size)?;
-                self.draw_exact(surfaces, drawing, frame, &target, output, None)?;
-                Ok(drawing.stats())
+                draw_list.update(&self.gl, surfaces, frame, target.size, self.draw_size)?;
+                self.draw_exact(surfaces, draw_list, frame, &target, output, None)?;
+                Ok(draw_list.stats())
             }
         }
     }
@@ -273,13 +273,13 @@ impl Renderer {
     fn draw_exact(
         &mut self,
         surfaces: &[PreparedSurface],
-        drawing: &DrawList,
+        draw_list: &DrawList,
         frame: &Frame,
         target: &Target,
         output: Output,
         mut kept: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
-        let Some(parts) = drawing.parts() else { return Ok(()) };
+        let Some(parts) = draw_list.parts() else { return Ok(()) };
         let settings = &frame.settings;
         let depth_scale = frame.projection.depth_scale();
         let aov = output == Output::Aovs;
@@ -301,16 +301,16 @@ impl Renderer {
         };
         // Before anything is bound: a program may be refused.
         let mut last = None;
-        for draw in drawing.draws() {
+        for draw in draw_list.draws() {
             if last != Some(draw.batch) {
-                self.program(key(&drawing.batches()[draw.batch]))?;
+                self.program(key(&draw_list.batches()[draw.batch]))?;
             }
             last = Some(draw.batch);
         }
         let mut last = None;
-        for draw in drawing.draws() {
+        for draw in draw_list.draws() {
             if last != Some(draw.batch) {
-                let batch = &drawing.batches()[draw.batch];
+                let batch = &draw_list.batches()[draw.batch];
                 let surface = &surfaces[batch.surface];
                 let program = &self.programs[&key(batch)];
                 program.bind();
@@ -330,9 +330,9 @@ impl Renderer {
                 }
                 texture.bind(0);
                 surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
-                match drawing.matrices().filter(|_| batch.shared) {
+                match draw_list.matrices().filter(|_| batch.shared) {
                     Some(matrices) => matrices.bind(SURFACES_UNIT),
-                    None => set_columns(program, drawing.columns(batch.surface), 1.0),
+                    None => set_columns(program, draw_list.columns(batch.surface), 1.0),
                 }
                 self.set_state(1, settings.wireframe);
                 self.parts_array.bind(parts);

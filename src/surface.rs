@@ -24,7 +24,7 @@ pub struct FreeFormSurface {
     /// Segments of all loops.
     segments: usize,
     /// What is kept from frame to frame.
-    drawing: DrawList,
+    draw_list: DrawList,
 }
 
 impl FreeFormSurface {
@@ -67,7 +67,7 @@ impl FreeFormSurface {
     ) -> Result<Self> {
         let segments = surface.trims.segment_count();
         let prepared = PreparedSurface::new(renderer.gl(), surface, texture)?;
-        Ok(Self { prepared, segments, drawing: DrawList::default() })
+        Ok(Self { prepared, segments, draw_list: DrawList::default() })
     }
 
     /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
@@ -79,7 +79,7 @@ impl FreeFormSurface {
     pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameStats> {
         let surfaces = std::slice::from_mut(&mut self.prepared);
         let figures =
-            renderer.draw_surfaces(surfaces, &mut self.drawing, frame, Output::Picture)?;
+            renderer.draw_surfaces(surfaces, &mut self.draw_list, frame, Output::Picture)?;
         // Squares lie on top of everything.
         if frame.settings.control_points {
             renderer.draw_control_points(&self.prepared, frame)?;

@@ -1,4 +1,4 @@
-//! The imports of the code against the floors that `ARCHITECTURE.md` names.
+//! `ARCHITECTURE.md` and other documents against the code: the floors of the rooms, and paths of files.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -76,4 +76,33 @@ fn every_import_goes_down() {
     for room in library.keys().chain(program.keys()) {
         assert!(found.iter().any(|(there, _)| there == room), "{room} is no room");
     }
+}
+
+/// Words of a text that look like paths of files of the project.
+fn paths(text: &str) -> impl Iterator<Item = &str> {
+    const FOLDERS: [&str; 7] =
+        ["src/", "glsl/", "tests/", "docs/", "resources/", "benches/", "examples/"];
+    text.split(|c: char| !(c.is_alphanumeric() || "./_-".contains(c)))
+        .map(|word| word.trim_end_matches('.').trim_start_matches("./"))
+        .filter(|word| FOLDERS.iter().any(|folder| word.starts_with(folder)))
+        .filter(|word| word.rsplit('/').next().is_some_and(|name| name.contains('.')))
+}
+
+#[test]
+fn every_file_that_a_document_or_a_comment_names_is_there() {
+    let mut texts = Vec::new();
+    for folder in ["src", "glsl"] {
+        files(&root().join(folder), None, &mut texts);
+    }
+    for document in ["README.md", "ARCHITECTURE.md", "docs/drivers.md"] {
+        let text = std::fs::read_to_string(root().join(document)).unwrap();
+        texts.push((document.to_owned(), text));
+    }
+    let named: Vec<(&str, &str)> = texts
+        .iter()
+        .flat_map(|(place, text)| paths(text).map(move |path| (place.as_str(), path)))
+        .collect();
+    let missing: Vec<_> = named.iter().filter(|(_, path)| !root().join(path).exists()).collect();
+    assert!(missing.is_empty(), "{missing:#?}");
+    assert!(named.len() > 40, "{}", named.len());
 }

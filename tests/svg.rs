@@ -162,11 +162,15 @@ proptest! {
     }
 
     #[test]
-    fn a_document_with_a_piece_replaced_gets_an_answer(
+    fn a_document_with_a_piece_replaced_gives_paths_or_one_line(
         start in 0..DOCUMENT.len(), length in 0usize..30, piece in "[-+.0-9a-z<>\"=/#&; ]{0,12}"
     ) {
         let end = (start + length).min(DOCUMENT.len());
-        let _ = TrimPath::from_svg(&format!("{}{piece}{}", &DOCUMENT[..start], &DOCUMENT[end..]));
+        let text = format!("{}{piece}{}", &DOCUMENT[..start], &DOCUMENT[end..]);
+        match TrimPath::from_svg(&text) {
+            Ok(paths) => prop_assert!(paths.iter().all(|path| !path.loops.is_empty())),
+            Err(error) => prop_assert_eq!(error.to_string().lines().count(), 1, "{}", error),
+        }
     }
 }
 

@@ -45,11 +45,11 @@ impl PreparedScene {
         let mut kept = Vec::new();
         let target = Target::bound(renderer.gl());
         let gl = renderer.gl().clone();
-        let (surfaces, drawing) = self.for_drawing();
-        drawing.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
+        let (surfaces, draw_list) = self.for_draw_list();
+        draw_list.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
         let output = Output::Triangles;
-        renderer.draw_exact(surfaces, drawing, &frame, &target, output, Some(&mut kept))?;
-        let mut patches = drawing.stats().patches;
+        renderer.draw_exact(surfaces, draw_list, &frame, &target, output, Some(&mut kept))?;
+        let mut patches = draw_list.stats().patches;
         self.update_meshes(renderer, &frame)?;
         for mesh in self.meshes() {
             renderer.draw_mesh(mesh, &frame, output, patches, Some(&mut kept))?;

@@ -19,7 +19,7 @@ use crate::tessellation::{EdgeSource, EdgeTable, FrameStats};
 pub struct PreparedScene {
     surfaces: Vec<PreparedSurface>,
     meshes: Vec<PreparedMesh>,
-    drawing: DrawList,
+    draw_list: DrawList,
     figures: FrameStats,
 }
 
@@ -44,7 +44,7 @@ impl PreparedScene {
             Result::Ok(texture)
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
-        let mut drawing = DrawList::default();
+        let mut draw_list = DrawList::default();
         if !scene.surfaces.is_empty() {
             let (table, centerings) = neighbours(scene);
             let points: Vec<_> =
@@ -54,17 +54,17 @@ impl PreparedScene {
                 let texture = texture(&surface.paint, false)?;
                 surfaces.push(PreparedSurface::with_points(surface.clone(), texture, points)?);
             }
-            drawing = DrawList::of_neighbours(table, &surfaces);
+            draw_list = DrawList::of_neighbours(table, &surfaces);
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
             meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
-        Ok(Self { surfaces, meshes, drawing, figures: FrameStats::default() })
+        Ok(Self { surfaces, meshes, draw_list, figures: FrameStats::default() })
     }
 
-    pub(super) const fn for_drawing(&mut self) -> (&mut Vec<PreparedSurface>, &mut DrawList) {
-        (&mut self.surfaces, &mut self.drawing)
+    pub(super) const fn for_draw_list(&mut self) -> (&mut Vec<PreparedSurface>, &mut DrawList) {
+        (&mut self.surfaces, &mut self.draw_list)
     }
 
     pub(super) fn draw_together(
@@ -73,8 +73,8 @@ impl PreparedScene {
         frame: &Frame,
         output: Output,
     ) -> Result<()> {
-        let (surfaces, drawing) = (&mut self.surfaces, &mut self.drawing);
-        let mut figures = renderer.draw_surfaces(surfaces, drawing, frame, output)?;
+        let (surfaces, draw_list) = (&mut self.surfaces, &mut self.draw_list);
+        let mut figures = renderer.draw_surfaces(surfaces, draw_list, frame, output)?;
         self.update_meshes(renderer, frame)?;
         for mesh in &self.meshes {
             renderer.draw_mesh(mesh, frame, output, figures.patches, None)?;
@@ -118,7 +118,7 @@ impl PreparedScene {
                 .try_for_each(|surface| surface.upload_trims(gl, &frame.settings))?,
             Method::Exact => {
                 let (size, draw_size) = (Target::bound(gl).size, renderer.draw_size());
-                self.drawing.update(gl, &mut self.surfaces, frame, size, draw_size)?;
+                self.draw_list.update(gl, &mut self.surfaces, frame, size, draw_size)?;
             }
         }
         self.update_meshes(renderer, frame)

@@ -40,7 +40,7 @@ pub struct TrimGrid {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lookup {
     /// Where it lies.
-    lattice: UniformGrid,
+    uniform_grid: UniformGrid,
     /// The word where its cells begin.
     cells: usize,
 }
@@ -60,11 +60,13 @@ impl TrimGrid {
         let grid = grid::build(&fills, keeps_inside, &mut words);
         // Shapes are read four words at a time.
         words.resize(words.len().next_multiple_of(4), 0);
-        let shapes =
-            shapes::build(trims, &mut words).map(|(lattice, cells)| Lookup { lattice, cells });
-        let loops = grid.as_ref().map(|grid| Lookup { lattice: grid.lattice, cells: HEADER_WORDS });
+        let shapes = shapes::build(trims, &mut words)
+            .map(|(uniform_grid, cells)| Lookup { uniform_grid, cells });
+        let loops = grid
+            .as_ref()
+            .map(|grid| Lookup { uniform_grid: grid.uniform_grid, cells: HEADER_WORDS });
         if let Some(shapes) = &shapes {
-            words[0] = shapes.lattice.size.x;
+            words[0] = shapes.uniform_grid.size.x;
             words[1] = shapes.cells as u32;
         }
         let pieces = grid.as_ref().map_or(0..0, |grid| grid.pieces.clone());
@@ -97,14 +99,14 @@ impl TrimGrid {
 
     /// What all cells that a rectangle touches say, if they say one thing.
     fn throughout(&self, lookup: &Lookup, least: Vec2, most: Vec2) -> Option<bool> {
-        let lattice = &lookup.lattice;
+        let uniform_grid = &lookup.uniform_grid;
         // A sample that rounding puts beyond is as close to a curve as may be decided either way.
         let last = Vec2::new(most.x.next_down(), most.y.next_down());
-        let [first, last] = [least, last].map(|corner| lattice.cell(clamped(corner)));
+        let [first, last] = [least, last].map(|corner| uniform_grid.cell(clamped(corner)));
         let mut found = None;
         for row in first.y..=last.y {
             for column in first.x..=last.x {
-                let cell = self.words[lookup.cells + (row * lattice.size.x + column) as usize];
+                let cell = self.words[lookup.cells + (row * uniform_grid.size.x + column) as usize];
                 let says = cell & 1 == 1;
                 if cell & (LIST | FINER) != 0 || found.is_some_and(|found| found != says) {
                     return None;
@@ -125,10 +127,10 @@ impl TrimGrid {
         self.has_rules
     }
 
-    /// Whether a cell has a finer lattice of its own.
+    /// Whether a cell has a finer uniform grid of its own.
     pub(crate) fn has_finer_cells(&self) -> bool {
         self.loops.is_some_and(|loops| {
-            let cells = &self.words[loops.cells..][..loops.lattice.count()];
+            let cells = &self.words[loops.cells..][..loops.uniform_grid.count()];
             cells.iter().any(|cell| cell & 7 == FINER)
         })
     }
@@ -148,7 +150,7 @@ impl TrimGrid {
 
     /// Columns and rows of the loops' cells; none if there is nothing in the loops.
     pub(crate) fn loop_columns(&self) -> Option<NonZeroU32> {
-        self.loops.and_then(|loops| NonZeroU32::new(loops.lattice.size.x))
+        self.loops.and_then(|loops| NonZeroU32::new(loops.uniform_grid.size.x))
     }
 
     /// Whether anything can be cut by circles, intervals or ellipses.
@@ -158,7 +160,7 @@ impl TrimGrid {
 
     /// The cell of a sample.
     fn cell(&self, lookup: &Lookup, uv: Vec2) -> u32 {
-        self.words[lookup.cells + lookup.lattice.cell_of(uv)]
+        self.words[lookup.cells + lookup.uniform_grid.cell_of(uv)]
     }
 
     fn cut_by_shapes(&self, uv: Vec2) -> bool {
@@ -312,10 +314,10 @@ mod tests {
         let points = [(0.13, 0.2), (0.3, 0.9), (0.9, 1.1), (0.8, 0.5), (0.7, 0.0), (0.2, -0.2)];
         let loops = [closed(&points.map(|(u, v)| dvec2(u, v)))];
         let grid = grid_of(&loops);
-        let lattice = grid.loops.unwrap().lattice;
+        let uniform_grid = grid.loops.unwrap().uniform_grid;
         let around = |x: f32| [x.next_down(), x, x.next_up()];
         let edges = |axis: usize| -> Vec<f32> {
-            let edges = lattice.bounds(axis).into_iter().flatten().flat_map(around);
+            let edges = uniform_grid.bounds(axis).into_iter().flatten().flat_map(around);
             edges.filter(|x| (0.0..1.0).contains(x)).collect()
         };
         let (us, vs) = (edges(0), edges(1));

@@ -25,7 +25,7 @@
 //! |---|---|
 //! | 0, 1 | everything in it is kept, cut |
 //! | word · 8 + 2, 3 | a list there; 3 turns around what comes of it |
-//! | word · 8 + 4 | a finer lattice there: least u, v, scale u, v, columns, then its cells |
+//! | word · 8 + 4 | a finer uniform grid there: least u, v, scale u, v, columns, then its cells |
 //!
 //! A list is one of references: an odd number of crossings cuts. Where paths have rules of their own
 //! ([`Grid::has_rules`]) it is several, one for each path that has pieces in the cell, each behind a
@@ -45,7 +45,7 @@ use super::FillRule;
 use super::pieces::Curve;
 use super::uniform_grid::UniformGrid;
 use builder::{Builder, Member};
-use cutting::{FilledCurve, cut_to_cells, lattice_of};
+use cutting::{FilledCurve, cut_to_cells, uniform_grid_of};
 
 /// Words of the header; the loops' cells begin behind it.
 pub(super) const HEADER_WORDS: usize = 4;
@@ -53,7 +53,7 @@ pub(super) const HEADER_WORDS: usize = 4;
 pub(super) const PIECE_WORDS: usize = 8;
 /// Bit of a cell with a list.
 pub(super) const LIST: u32 = 2;
-/// Bit of a cell with a finer lattice.
+/// Bit of a cell with a finer uniform grid.
 pub(super) const FINER: u32 = 4;
 /// Bit of the last reference of a list.
 pub(super) const LAST: u32 = 4;
@@ -72,7 +72,7 @@ const CROWDED: usize = 12;
 /// What was built.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
-    pub(super) lattice: UniformGrid,
+    pub(super) uniform_grid: UniformGrid,
     /// The words of the pieces.
     pub(super) pieces: Range<usize>,
     /// Length of the longest list of references.
@@ -96,11 +96,11 @@ pub(super) fn build(
             curves.iter().map(move |&curve| FilledCurve { curve, fill })
         })
         .collect();
-    let lattice = lattice_of(&curves)?;
+    let uniform_grid = uniform_grid_of(&curves)?;
     let members: Vec<Member> =
-        cut_to_cells(&curves, &lattice).iter().filter_map(Member::of).collect();
-    words.reserve(members.len() * (PIECE_WORDS + 4) + lattice.count());
-    words.resize((HEADER_WORDS + lattice.count()).next_multiple_of(PIECE_WORDS), 0);
+        cut_to_cells(&curves, &uniform_grid).iter().filter_map(Member::of).collect();
+    words.reserve(members.len() * (PIECE_WORDS + 4) + uniform_grid.count());
+    words.resize((HEADER_WORDS + uniform_grid.count()).next_multiple_of(PIECE_WORDS), 0);
     let first_piece = words.len();
     words.extend(members.iter().flat_map(|member| member.piece.words()));
     let pieces = first_piece..words.len();
@@ -115,9 +115,9 @@ pub(super) fn build(
         words,
         longest: 0,
     };
-    builder.fill_domain(&lattice);
+    builder.fill_domain(&uniform_grid);
     let longest = builder.longest;
-    Some(Grid { lattice, pieces, longest, has_rules })
+    Some(Grid { uniform_grid, pieces, longest, has_rules })
 }
 
 /// Marks the last word as the last of its list.
@@ -149,10 +149,10 @@ mod tests {
     /// The bounds of every cell that can be looked up, finer ones too, and the pieces it lists.
     fn cells(grid: &Grid, words: &[u32]) -> Vec<([Bounds; 2], Vec<usize>)> {
         let mut found = Vec::new();
-        let mut lattices = vec![(grid.lattice, HEADER_WORDS)];
-        while let Some((lattice, first)) = lattices.pop() {
-            let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
-            for cell in 0..lattice.count() {
+        let mut uniform_grids = vec![(grid.uniform_grid, HEADER_WORDS)];
+        while let Some((uniform_grid, first)) = uniform_grids.pop() {
+            let [columns, rows] = [0, 1].map(|axis| uniform_grid.bounds(axis));
+            for cell in 0..uniform_grid.count() {
                 let [column, row] = [cell % columns.len(), cell / columns.len()];
                 let bounds = [columns[column], rows[row]];
                 let word = words[first + cell];
@@ -162,7 +162,7 @@ mod tests {
                     let side = words[at + 4];
                     let finer = UniformGrid::new(corner(0), corner(1), side);
                     assert_eq!(finer.words(), words[at..at + UniformGrid::WORDS]);
-                    lattices.push((finer, at + UniformGrid::WORDS));
+                    uniform_grids.push((finer, at + UniformGrid::WORDS));
                 } else if word & LIST != 0 {
                     let piece = |word: u32| (word >> 5) as usize - grid.pieces.start / PIECE_WORDS;
                     let pieces = listed(&words[at..]).map(piece).collect();
@@ -238,7 +238,7 @@ mod tests {
         ]));
         let mut words = vec![0; HEADER_WORDS];
         let grid = build(&even_odd(&loops), false, &mut words).unwrap();
-        let cells = &words[HEADER_WORDS..][..grid.lattice.count()];
+        let cells = &words[HEADER_WORDS..][..grid.uniform_grid.count()];
         assert!(cells.iter().any(|cell| cell & 7 == FINER));
         check(&loops, &[0.5, 0.505]);
     }

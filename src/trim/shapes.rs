@@ -122,11 +122,11 @@ pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(UniformGrid,
     if shapes.is_empty() {
         return None;
     }
-    let lattice = UniformGrid::of_domain(side_for(&shapes));
+    let uniform_grid = UniformGrid::of_domain(side_for(&shapes));
     let cells = words.len();
-    words.resize(cells + lattice.count(), 0);
-    fill(&shapes, &lattice, first, cells, words);
-    Some((lattice, cells))
+    words.resize(cells + uniform_grid.count(), 0);
+    fill(&shapes, &uniform_grid, first, cells, words);
+    Some((uniform_grid, cells))
 }
 
 fn shapes_of(trims: &Trims) -> Vec<Shape> {
@@ -160,10 +160,16 @@ fn side_for(shapes: &[Shape]) -> u32 {
 }
 
 /// Writes the cells: covered by one shape, or with a list of those that touch them.
-fn fill(shapes: &[Shape], lattice: &UniformGrid, first: usize, cells: usize, words: &mut Vec<u32>) {
-    let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
-    let mut lists: Vec<Vec<u32>> = vec![Vec::new(); lattice.count()];
-    let mut covered = vec![false; lattice.count()];
+fn fill(
+    shapes: &[Shape],
+    uniform_grid: &UniformGrid,
+    first: usize,
+    cells: usize,
+    words: &mut Vec<u32>,
+) {
+    let [columns, rows] = [0, 1].map(|axis| uniform_grid.bounds(axis));
+    let mut lists: Vec<Vec<u32>> = vec![Vec::new(); uniform_grid.count()];
+    let mut covered = vec![false; uniform_grid.count()];
     for (number, shape) in shapes.iter().enumerate() {
         let reference = (first + number * SHAPE_WORDS) as u32 / 4 * 8 + shape.kind();
         let [low, high] = shape.extent();
@@ -175,7 +181,7 @@ fn fill(shapes: &[Shape], lattice: &UniformGrid, first: usize, cells: usize, wor
         for row in touched(&rows, low.y, high.y) {
             for column in touched(&columns, low.x, high.x) {
                 let cell = UVec2::new(column as u32, row as u32);
-                let index = (cell.y * lattice.size.x + cell.x) as usize;
+                let index = (cell.y * uniform_grid.size.x + cell.x) as usize;
                 let corner =
                     |i: usize| DVec2::new(f64::from(columns[column][i]), f64::from(rows[row][i]));
                 // No sample is outside of the domain.

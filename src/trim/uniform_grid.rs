@@ -19,7 +19,7 @@ pub(crate) struct UniformGrid {
 pub(super) type Bounds = [f32; 2];
 
 impl UniformGrid {
-    /// The lattice over the domain: the shader needs to know no more than how many columns it has.
+    /// The uniform grid over the domain: the shader needs to know no more than how many columns it has.
     pub(super) fn of_domain(side: u32) -> Self {
         Self::new(Vec2::ZERO, Vec2::ONE, side)
     }
@@ -39,7 +39,7 @@ impl UniformGrid {
         Self { least, most, scale, size }
     }
 
-    /// Words of a lattice in the shader's buffer.
+    /// Words of a uniform grid in the shader's buffer.
     pub(super) const WORDS: usize = 5;
 
     pub(super) fn words(&self) -> [u32; Self::WORDS] {
@@ -48,7 +48,7 @@ impl UniformGrid {
         [u, v, scale_u, scale_v, self.size.x]
     }
 
-    /// The lattice of such words; they do not tell its greatest corner and its rows.
+    /// The uniform grid of such words; they do not tell its greatest corner and its rows.
     pub(super) fn from_words(words: &[u32]) -> Self {
         let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
         let size = UVec2::new(words[4], 0);

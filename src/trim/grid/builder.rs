@@ -87,7 +87,7 @@ pub(super) struct Builder<'a> {
 
 impl Builder<'_> {
     /// Fills the cells of the domain.
-    pub(super) fn fill_domain(&mut self, lattice: &UniformGrid) {
+    pub(super) fn fill_domain(&mut self, uniform_grid: &UniformGrid) {
         let mut first = 0;
         let groups = self.members.chunk_by(|a, b| a.fill == b.fill).map(|members| {
             let pieces = first..first + members.len() as u32;
@@ -100,13 +100,19 @@ impl Builder<'_> {
             }
         });
         let groups: Vec<Group> = groups.collect();
-        self.fill(HEADER_WORDS, lattice, &groups, true);
+        self.fill(HEADER_WORDS, uniform_grid, &groups, true);
     }
 
-    /// Fills the cells of a lattice, which begin at a word: of the domain, or finer ones.
-    fn fill(&mut self, first: usize, lattice: &UniformGrid, groups: &[Group], is_domain: bool) {
-        let [columns, rows] = &[0, 1].map(|axis| lattice.bounds(axis));
-        let mut inside = vec![false; lattice.count()];
+    /// Fills the cells of a uniform grid, which begin at a word: of the domain, or finer ones.
+    fn fill(
+        &mut self,
+        first: usize,
+        uniform_grid: &UniformGrid,
+        groups: &[Group],
+        is_domain: bool,
+    ) {
+        let [columns, rows] = &[0, 1].map(|axis| uniform_grid.bounds(axis));
+        let mut inside = vec![false; uniform_grid.count()];
         let mut listed: Vec<Listed> = Vec::new();
         let mut members: Vec<u32> = Vec::new();
         for group in groups {
@@ -244,7 +250,7 @@ impl Builder<'_> {
         (group.base * 4 + rule + if is_last { LAST_HEAD } else { 0 }) as u32
     }
 
-    /// The lattice of a crowded cell; a coarser one if its pieces are large, so that the references
+    /// The uniform grid of a crowded cell; a coarser one if its pieces are large, so that the references
     /// do not outgrow them.
     fn finer(&self, groups: &[Group], count: usize, [columns, rows]: [Bounds; 2]) -> UniformGrid {
         const MOST_REFERENCES_PER_PIECE: f32 = 6.0;

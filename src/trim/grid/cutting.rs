@@ -19,9 +19,9 @@ pub(super) struct FilledCurve {
     pub(super) fill: u32,
 }
 
-/// The lattice for so many curves: about 4 cells for each, fewer if that cut long curves into too
+/// The uniform grid for so many curves: about 4 cells for each, fewer if that cut long curves into too
 /// many pieces. None if the curves hold nothing between them.
-pub(super) fn lattice_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
+pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     let mut least = Vec2::INFINITY;
     let mut most = Vec2::NEG_INFINITY;
     for piece in curves.iter().filter_map(|curve| Piece::new(&curve.curve)) {
@@ -52,24 +52,24 @@ fn most_pieces(curves: &[FilledCurve]) -> usize {
 
 /// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
 /// finer cells there.
-pub(super) fn cut_to_cells(curves: &[FilledCurve], lattice: &UniformGrid) -> Vec<FilledCurve> {
+pub(super) fn cut_to_cells(curves: &[FilledCurve], uniform_grid: &UniformGrid) -> Vec<FilledCurve> {
     // Smaller pieces would be cut by rounding.
     const SMALLEST: f64 = 1e-6;
-    let cell = DVec2::ONE / lattice.size.as_dvec2();
+    let cell = DVec2::ONE / uniform_grid.size.as_dvec2();
     let budget = most_pieces(curves);
     let mut parts = Vec::with_capacity(curves.len());
     for curve in curves {
         halve(curve, 0, &mut parts, &|_| cell);
     }
-    let [columns, rows] = [0, 1].map(|axis| lattice.bounds(axis));
-    let mut counts = vec![0_u32; lattice.count()];
+    let [columns, rows] = [0, 1].map(|axis| uniform_grid.bounds(axis));
+    let mut counts = vec![0_u32; uniform_grid.count()];
     let cells_of = |part: &FilledCurve| {
         let part = &part.curve;
         let (least, most) = (part[0].min(part[3]).as_vec2(), part[0].max(part[3]).as_vec2());
         let columns = touched(&columns, [least.x, most.x]);
         touched(&rows, [least.y, most.y])
             .flat_map(move |row| columns.clone().map(move |column| (row, column)))
-            .map(|(row, column)| row * lattice.size.x as usize + column)
+            .map(|(row, column)| row * uniform_grid.size.x as usize + column)
     };
     for part in &parts {
         for cell in cells_of(part) {
@@ -95,7 +95,7 @@ pub(super) fn cut_to_cells(curves: &[FilledCurve], lattice: &UniformGrid) -> Vec
     finer
 }
 
-/// Cells along a side of the finer lattice in a cell with so many pieces.
+/// Cells along a side of the finer uniform grid in a cell with so many pieces.
 pub(super) fn finer_side(count: usize) -> u32 {
     (2.0 * (count as f64).sqrt()).min((*SIDES.end()).into()) as u32
 }
