@@ -12,7 +12,13 @@
 //!  +-------------> u
 //! ```
 
+mod bounds;
+mod split;
+
 use glam::{DVec3, DVec4};
+
+pub(crate) use bounds::bounding_box;
+pub(crate) use split::{split, split_slice};
 
 use crate::error::{Error, Result};
 

@@ -5,7 +5,7 @@ use glam::dcamera::rh::proj::opengl;
 use glam::dcamera::rh::view::look_at_mat4;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use crate::bezier::{MAX_COORDINATE, check_coordinates};
+use crate::bezier::{MAX_COORDINATE, bounding_box, check_coordinates};
 use crate::error::{Error, Result};
 
 /// How far a framed scene stays away from the picture's border: 1 would touch it.
@@ -150,23 +150,17 @@ impl Camera {
         let screen_x = self.up.cross(back).normalize();
         let screen_y = back.cross(screen_x);
 
-        let mut least = DVec3::INFINITY;
-        let mut most = DVec3::NEG_INFINITY;
         let onto_screen = |p: DVec3| DVec3::new(p.dot(screen_x), p.dot(screen_y), p.dot(back));
-        for point in points.clone() {
-            let seen = onto_screen(point);
-            least = least.min(seen);
-            most = most.max(seen);
+        let [mut min, mut max] = bounding_box(points.clone().map(onto_screen));
+        if !(min.is_finite() && max.is_finite()) {
+            [min, max] = [DVec3::NEG_ONE, DVec3::ONE];
         }
-        if !(least.is_finite() && most.is_finite()) {
-            (least, most) = (DVec3::NEG_ONE, DVec3::ONE);
-        }
-        let mut middle = (least + most) * 0.5;
+        let mut middle = (min + max) * 0.5;
         let mut lens = self.lens;
         let mut distance: f64 = 0.0;
         match &mut lens {
             Lens::Orthographic { height } => {
-                let size = most - least;
+                let size = max - min;
                 let needed = FRAME_MARGIN * size.y.max(size.x / aspect);
                 if needed > 0.0 {
                     *height = needed;
@@ -185,10 +179,7 @@ impl Camera {
                         .map(|p| p.z + (p.x.abs() / slope_x).max(p.y.abs() / slope_y))
                         .fold(0.0, f64::max);
                     let seen = from_middle.map(|p| p.truncate() / (distance - p.z));
-                    let (low, high) = seen
-                        .fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| {
-                            (low.min(p), high.max(p))
-                        });
+                    let [low, high] = bounding_box(seen);
                     let off = (low + high) * (0.5 * distance);
                     if off.is_finite() {
                         middle += off.extend(0.0);

@@ -287,7 +287,7 @@ impl Renderer {
             pipeline: Pipeline::Exact {
                 degree: batch.degree,
                 samples: target.samples,
-                degenerate: batch.degenerate,
+                patches: batch.patches,
                 shared: batch.shared,
                 normals: settings.normals,
             },

@@ -1,8 +1,8 @@
 //! How patches are cut into triangles.
 //!
 //! `bound.rs` tells how many triangles keep a patch within a tolerance on the screen, `edges.rs` which
-//! patches are neighbours, `parts.rs` what the drivers and the trims ask for, `shape.rs` where normals
-//! are, and `plan.rs` puts it all together once a frame. `triangle.rs` bounds the smooth triangles of meshes.
+//! patches are neighbours, `parts.rs` what the drivers and the trims ask for, `normal_cone.rs` where
+//! normals point to, and `plan.rs` puts it all together once a frame. `triangle.rs` bounds the smooth triangles of meshes.
 
 mod bound;
 mod edges;
@@ -13,6 +13,7 @@ mod triangle;
 
 pub(crate) use bound::{Rounding, Screen};
 pub(crate) use edges::{EdgeSource, EdgeTable};
+pub use normal_cone::PatchKind;
 pub(crate) use normal_cone::{Eye, NormalCone};
 pub(crate) use parts::{DrawSize, FixedParts, Parts, TrimParts, parts_of_next_draw};
 pub use plan::FrameStats;

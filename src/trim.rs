@@ -25,7 +25,7 @@ pub use newton::{Newton, NewtonTrims};
 #[cfg(feature = "svg")]
 pub(crate) use svg::read as read_svg;
 
-use crate::bezier::{MAX_COORDINATE, check_coordinates};
+use crate::bezier::{MAX_COORDINATE, bounding_box, check_coordinates};
 use crate::error::{Error, Result};
 
 /// Ends of neighbouring curves closer than this (in the domain's unit) are taken as one point.
@@ -282,11 +282,7 @@ impl TrimLoop {
     /// Box of the control points: least and greatest (u, v). It holds the loop.
     #[must_use]
     pub fn control_box(&self) -> [DVec2; 2] {
-        let mut corners = [DVec2::INFINITY, DVec2::NEG_INFINITY];
-        for point in self.segments.iter().flat_map(Segment::points) {
-            corners = [corners[0].min(*point), corners[1].max(*point)];
-        }
-        corners
+        bounding_box(self.segments.iter().flat_map(Segment::points).copied())
     }
 }
 

@@ -7,8 +7,8 @@ use std::num::NonZeroU32;
 
 use freeform_surface::gpu::Program;
 use freeform_surface::renderer::programs::{
-    CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING,
-    TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
+    CONTROL_POINTS_UNIT, Output, PatchKind, Pipeline, ProgramKey, SURFACES_UNIT, Sources,
+    TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };
 use freeform_surface::{Degree, Error, Headless, Normals, Shading};
 use glow::HasContext as _;
@@ -199,15 +199,36 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             fill_rules: has(5),
             ..TrimFeatures::NONE
         };
-        for (degree, samples, shading, degenerate, normals, output) in [
-            (Degree::Cubic, 1, Shading::Phong, false, Normals::Vertex, Output::Picture),
-            (Degree::Quartic, 4, Shading::Normals, true, Normals::Pixel, Output::Picture),
-            (Degree::Cubic, 4, Shading::Unlit, true, Normals::Vertex, Output::Picture),
-            (Degree::Quartic, 1, Shading::Phong, false, Normals::Pixel, Output::Aovs),
-            (Degree::Cubic, 1, Shading::Unlit, true, Normals::Pixel, Output::Aovs),
+        for (degree, samples, shading, patches, normals, output) in [
+            (
+                Degree::Cubic,
+                1,
+                Shading::Phong,
+                PatchKind::Polynomial,
+                Normals::Vertex,
+                Output::Picture,
+            ),
+            (
+                Degree::Quartic,
+                4,
+                Shading::Normals,
+                PatchKind::Degenerate,
+                Normals::Pixel,
+                Output::Picture,
+            ),
+            (
+                Degree::Cubic,
+                4,
+                Shading::Unlit,
+                PatchKind::Rational,
+                Normals::Vertex,
+                Output::Picture,
+            ),
+            (Degree::Quartic, 1, Shading::Phong, PatchKind::Rational, Normals::Pixel, Output::Aovs),
+            (Degree::Cubic, 1, Shading::Unlit, PatchKind::Degenerate, Normals::Pixel, Output::Aovs),
         ] {
             let shared = has(4);
-            let pipeline = Pipeline::Exact { degree, samples, degenerate, shared, normals };
+            let pipeline = Pipeline::Exact { degree, samples, patches, shared, normals };
             let key =
                 ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
             let program = Sources::default()

@@ -75,7 +75,7 @@ void evaluate(POINT points[SIDE * SIDE], vec2 t, vec2 s, out vec4 point, out POI
         du += bv[row] * slope;
         dv += sv[row] * rows[row];
     }
-#ifdef DEGENERATE
+#ifdef RATIONAL
     point = weighed(rows, bv);
 #else
     // The weight rounded as among others: patches of both kinds meet.
@@ -86,7 +86,7 @@ void evaluate(POINT points[SIDE * SIDE], vec2 t, vec2 s, out vec4 point, out POI
 // The direction that a tangent has by the quotient rule, whose denominator is left out.
 vec3 tangent(vec4 point, POINT derivative)
 {
-#ifdef DEGENERATE
+#ifdef RATIONAL
     return derivative.xyz * point.w - point.xyz * derivative.w;
 #else
     return derivative;

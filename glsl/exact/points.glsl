@@ -1,10 +1,10 @@
 // The control points of a patch.
 //
-// With DEGENERATE patches may be rational, and their normals may vanish; else all weights are 1.
+// With RATIONAL weights may differ from 1; without it all weights are 1.
 
 layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred and scaled
 
-#ifdef DEGENERATE
+#ifdef RATIONAL
 #define POINT vec4
 #else
 #define POINT vec3
@@ -15,7 +15,7 @@ void fetchPatch(int first, out POINT points[SIDE * SIDE])
 {
     for (int i = 0; i < SIDE * SIDE; ++i) {
         vec4 point = texelFetch(controlPoints, first + i);
-#ifdef DEGENERATE
+#ifdef RATIONAL
         points[i] = point;
 #else
         points[i] = point.xyz;

@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::bezier::bounding_box;
 use crate::camera::{Camera, Lens};
 use crate::scene::{Scene, Surface};
 
@@ -27,11 +28,7 @@ const TRIES: usize = 16;
 #[must_use]
 pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera {
     let mut random = Random(Random(seed).next().wrapping_add(index));
-    let [low, high] = scene
-        .surfaces
-        .iter()
-        .flat_map(Surface::world_points)
-        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
+    let [low, high] = bounding_box(scene.surfaces.iter().flat_map(Surface::world_points));
     let [low, high] = if low.cmple(high).all() { [low, high] } else { [DVec3::ZERO; 2] };
     let size = match 0.5 * low.distance(high) {
         0.0 => 1.0,

@@ -19,8 +19,8 @@ use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
-    DrawSize, EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, Plan, Rounding, Screen,
-    SurfacePatches, parts_of_next_draw,
+    DrawSize, EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, PatchKind, Plan, Rounding,
+    Screen, SurfacePatches, parts_of_next_draw,
 };
 
 /// Bytes of room for parts beyond those that are there at first: a patch that is pulled may want more, and
@@ -75,7 +75,7 @@ pub(crate) struct Batch {
     pub(crate) surface: usize,
     pub(crate) degree: Degree,
     pub(crate) shading: Shading,
-    pub(crate) degenerate: bool,
+    pub(crate) patches: PatchKind,
     /// Whether other surfaces have it too, with matrices of their own.
     pub(crate) shared: bool,
     pub(crate) trims: TrimFeatures,
@@ -97,7 +97,7 @@ struct BatchKey {
     texture: *const crate::gpu::Texture,
     degree: Degree,
     shading: Shading,
-    degenerate: bool,
+    patches: PatchKind,
     /// Trims belong to one surface.
     trimmed: Option<usize>,
 }
@@ -191,13 +191,13 @@ impl DrawList {
             let trims = surface.uploaded_trims().exact.as_ref();
             let features = trims.map_or(TrimFeatures::NONE, |trims| trims.features());
             let batches = &mut self.batches;
-            let mut list = |degenerate: bool, trimmed: bool| {
+            let mut list = |patches: PatchKind, trimmed: bool| {
                 let key = BatchKey {
                     points: Rc::as_ptr(surface.uploaded_points().texels()),
                     texture: Rc::as_ptr(surface.texture()),
                     degree: surface.degree(),
                     shading: surface.shading(),
-                    degenerate,
+                    patches,
                     trimmed: trimmed.then_some(number),
                 };
                 let batch = *known.entry(key).or_insert_with(|| {
@@ -205,7 +205,7 @@ impl DrawList {
                         surface: number,
                         degree: surface.degree(),
                         shading: surface.shading(),
-                        degenerate,
+                        patches,
                         shared: false,
                         trims: if trimmed { features } else { TrimFeatures::NONE },
                     });
@@ -215,8 +215,12 @@ impl DrawList {
                 known.shared |= known.surface != number;
                 batch
             };
-            let kept = [list(false, false), list(true, false)];
-            let trimmed = if features.any() { [list(false, true), list(true, true)] } else { kept };
+            let kept = PatchKind::ALL.map(|patches| list(patches, false));
+            let trimmed = if features.any() {
+                PatchKind::ALL.map(|patches| list(patches, true))
+            } else {
+                kept
+            };
             self.lists.push(Lists { kept, trimmed });
         }
     }

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
-use crate::bezier::homogeneous;
+use crate::bezier::{bounding_box, homogeneous};
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
 
@@ -20,11 +20,7 @@ pub(crate) struct LocalFrame {
 impl LocalFrame {
     /// Of the box around these points.
     pub(crate) fn of<'a>(points: impl Iterator<Item = &'a DVec4>) -> Self {
-        let (low, high) = points
-            .map(|point| point.truncate())
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), point| {
-                (low.min(point), high.max(point))
-            });
+        let [low, high] = bounding_box(points.map(|point| point.truncate()));
         let half = (0.5 * (high - low)).max_element();
         // Equal points have no size. A power of two scales without rounding.
         let half = if half > 0.0 { half } else { 1.0 };

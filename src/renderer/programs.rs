@@ -13,6 +13,7 @@ use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::{Gl, Program, ShaderPart, Stage};
 use crate::scene::{Method, Normals, Shading};
+pub use crate::tessellation::PatchKind;
 use recipes::{Facts, recipe};
 
 /// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
@@ -115,8 +116,8 @@ pub enum Pipeline {
         degree: Degree,
         /// Samples a pixel of the target.
         samples: u32,
-        /// For patches that are rational, or whose normal may vanish somewhere.
-        degenerate: bool,
+        /// What the patches need of their evaluation.
+        patches: PatchKind,
         /// For patches of several surfaces, each with matrices of its own.
         shared: bool,
         /// Where normals are evaluated.
@@ -368,12 +369,13 @@ impl Sources {
             pixel_normals: false,
         };
         let mut on: Vec<(&'static str, bool)> = Vec::new();
-        if let Pipeline::Exact { samples, degenerate, shared, normals, .. } = key.pipeline {
+        if let Pipeline::Exact { samples, patches, shared, normals, .. } = key.pipeline {
             defines.push(("SAMPLES", if facts.aovs { 1 } else { samples }));
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
             on.extend([
-                ("DEGENERATE", degenerate),
+                ("RATIONAL", patches != PatchKind::Polynomial),
+                ("DEGENERATE", patches == PatchKind::Degenerate),
                 ("SHARED", shared),
                 ("PIXEL_NORMALS", facts.pixel_normals),
             ]);

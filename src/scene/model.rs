@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 
 use super::{Paint, Shading, TessLevel};
+use crate::bezier::bounding_box;
 use crate::mesh::{
     Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };
@@ -125,24 +126,15 @@ impl MeshModel {
 
 /// The corners of a box around the control points of all triangles.
 fn hull(mesh: &HalfedgeMesh, smoothing: Smoothing) -> [DVec3; 2] {
-    let mut hull = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     if smoothing == Smoothing::None {
         let positions = mesh.mesh().positions();
-        for corner in mesh.mesh().triangles().iter().flatten() {
-            let point = positions[corner.position as usize];
-            hull = [hull[0].min(point), hull[1].max(point)];
-        }
-        return hull;
+        let corners = mesh.mesh().triangles().iter().flatten();
+        return bounding_box(corners.map(|corner| positions[corner.position as usize]));
     }
-    for triangle in 0..mesh.mesh().triangles().len() as u32 {
+    bounding_box((0..mesh.mesh().triangles().len() as u32).flat_map(|triangle| {
         let curved = Curved::new(&mesh.triangle(triangle), smoothing);
-        curved.with_control_points(|points| {
-            for point in points {
-                hull = [hull[0].min(*point), hull[1].max(*point)];
-            }
-        });
-    }
-    hull
+        curved.with_control_points(|points| bounding_box(points.iter().copied()))
+    }))
 }
 
 /// A smooth surface over a triangle, of either kind. What is not smoothed is Phong's with α = 0.

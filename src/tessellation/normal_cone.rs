@@ -1,21 +1,44 @@
-//! What is known of a patch's normals before anything is drawn: whether one may vanish, and a cone
-//! that holds them all.
+//! A cone that holds all normals of a patch, and from that whether a normal may vanish: found once, before
+//! anything is drawn.
+//!
+//! A normal is the cross product of two tangents. The tangents of a polynomial patch are positive sums of its
+//! control differences. Those of a rational patch S = A / w have the directions A_u·w − A·w_u, and these are
+//! positive sums of that polynomial's Bernstein coefficients. So the cross products of all pairs of these
+//! vectors, one along u and one along v, span a cone that holds every normal.
 
 use glam::{DVec3, DVec4, Vec3};
 
-use crate::bezier::Degree;
+use crate::bezier::{Degree, homogeneous, split_slice};
 
-/// How often a patch is halved to find out.
-const MOST_HALVINGS: u32 = 3;
+/// How often a patch is halved in each direction until its cone is narrow enough.
+const MAX_SPLITS: u32 = 3;
+
+/// What the evaluation of a patch needs; each kind has shader programs of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PatchKind {
+    /// All weights are 1, and no normal vanishes.
+    Polynomial,
+    /// Weights differ, and no normal vanishes.
+    Rational,
+    /// A normal may vanish; weights may differ.
+    Degenerate,
+}
+
+impl PatchKind {
+    /// Every kind, by its number.
+    pub(crate) const ALL: [Self; 3] = [Self::Polynomial, Self::Rational, Self::Degenerate];
+}
 
 /// Normals of a patch, in the space of its control points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NormalCone {
-    /// All normals Su × Sv turn away from this direction by at most the angle below; zero if that is
-    /// not known, because one may vanish or the patch is rational.
+    /// The largest angle between this direction and any normal Su × Sv is the one below; zero if that is not
+    /// known, because a normal may vanish.
     axis: Vec3,
     /// Sine of the angle.
     sine: f32,
+    /// Whether the patch's weights differ from 1.
+    is_rational: bool,
 }
 
 /// Where a surface is seen from, in the space of its control points.
@@ -28,124 +51,263 @@ pub(crate) enum Eye {
 }
 
 impl NormalCone {
-    const UNKNOWN: Self = Self { axis: Vec3::ZERO, sine: 1.0 };
-
     pub(crate) fn new(degree: Degree, points: &[DVec4]) -> Self {
-        if points.iter().any(|point| point.w != 1.0) {
-            return Self::UNKNOWN;
-        }
         let side = degree.side();
-        let net: Vec<DVec3> = points.iter().map(|point| point.truncate()).collect();
-        let sum =
-            |step: usize, from: usize| -> DVec3 { (0..side).map(|i| net[from + i * step]).sum() };
+        let is_rational = points.iter().any(|point| point.w != 1.0);
+        let unknown = Self { axis: Vec3::ZERO, sine: 1.0, is_rational };
+        let sum = |step: usize, from: usize| -> DVec3 {
+            (0..side).map(|i| points[from + i * step].truncate()).sum()
+        };
         let along_u = sum(side, side - 1) - sum(side, 0);
-        let along_v = sum(1, net.len() - side) - sum(1, 0);
-        let Some(axis) = along_u.cross(along_v).try_normalize() else { return Self::UNKNOWN };
-        let longest = |step: usize, skip: fn(usize, usize) -> bool| {
-            (0..net.len())
-                .filter(|i| !skip(*i, side))
-                .map(|i| (net[i + step] - net[i]).length_squared())
-                .fold(0.0, f64::max)
-                .sqrt()
-        };
-        let tangents = Longest {
-            u: longest(1, |i, side| i % side == side - 1),
-            v: longest(side, |i, side| i / side == side - 1),
-        };
-        match least_cosine(side, &net, axis, tangents, 0) {
+        let along_v = sum(1, points.len() - side) - sum(1, 0);
+        let Some(axis) = along_u.cross(along_v).try_normalize() else { return unknown };
+        let net =
+            Net { side, is_rational, points: points.iter().copied().map(homogeneous).collect() };
+        let longest = net.tangents().map(|tangents| longest(&tangents));
+        match net.min_cosine(axis, longest, 0) {
             Some(cosine) => {
                 let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
                 // Rounded to the safe side.
-                Self { axis: axis.as_vec3(), sine: sine as f32 + 1e-5 }
+                Self { axis: axis.as_vec3(), sine: sine as f32 + 1e-5, is_rational }
             }
-            None => Self::UNKNOWN,
+            None => unknown,
         }
     }
 
-    /// Whether a normal may vanish somewhere, as far as is known: of rational patches nothing is.
-    pub(crate) fn may_degenerate(&self) -> bool {
-        self.axis == Vec3::ZERO
+    /// What the patch's evaluation needs.
+    pub(crate) fn kind(&self) -> PatchKind {
+        match (self.axis == Vec3::ZERO, self.is_rational) {
+            (true, _) => PatchKind::Degenerate,
+            (false, true) => PatchKind::Rational,
+            (false, false) => PatchKind::Polynomial,
+        }
+    }
+
+    /// Whether the patch's weights differ from 1.
+    pub(crate) const fn is_rational(&self) -> bool {
+        self.is_rational
     }
 
     /// Whether the whole patch shows its back to the eye: the side from which u and v turn clockwise.
     /// `sign` is −1 if the model's matrix mirrors.
     pub(crate) fn faces_away(&self, points: &[DVec4], eye: Eye, sign: f64) -> bool {
-        if self.may_degenerate() {
+        if self.kind() == PatchKind::Degenerate {
             return false;
         }
         let (axis, sine) = (self.axis.as_dvec3() * sign, f64::from(self.sine));
         let away = |to_eye: DVec3| to_eye.dot(axis) < -sine * to_eye.length();
         match eye {
             Eye::Towards(direction) => away(direction),
+            // The places from which all normals turn away form a convex cone around each point: what holds
+            // for the control points holds for the patch, which lies in their hull.
             Eye::At(place) => points.iter().all(|point| away(place - point.truncate())),
         }
     }
 }
 
-/// The longest differences of control points along u and v.
-#[derive(Clone, Copy)]
-struct Longest {
-    u: f64,
-    v: f64,
-}
-
-/// The least cosine between the axis and any normal; none if a normal may vanish or turn further than
-/// the halvings can tell.
-fn least_cosine(
+/// A square net of homogeneous control points.
+struct Net {
     side: usize,
-    net: &[DVec3],
-    axis: DVec3,
-    longest: Longest,
-    halvings: u32,
-) -> Option<f64> {
-    // Shaders take tangents that are so much shorter than the longest for none.
-    const SHORT: f64 = 2e-3;
-    const LEAST: f64 = 0.02;
-    let differences = |step: usize, rows: usize, columns: usize| {
-        (0..rows * columns).map(move |i| {
-            let at = i / columns * side + i % columns;
-            net[at + step] - net[at]
-        })
-    };
-    let mut least = 1.0_f64;
-    let mut long = true;
-    for a in differences(1, side, side - 1) {
-        long &= a.length() > SHORT * longest.u;
-        for b in differences(side, side - 1, side) {
-            let normal = a.cross(b);
-            least = least.min(normal.dot(axis) / (a.length() * b.length()));
-        }
-    }
-    long &= differences(side, side - 1, side).all(|b| b.length() > SHORT * longest.v);
-    // A cosine of the sum of two angles' worth: the cross product's own length is left out, which
-    // makes it smaller.
-    if long && least > LEAST {
-        return Some(least);
-    }
-    if halvings == MOST_HALVINGS {
-        return None;
-    }
-    let mut least = 1.0_f64;
-    for half in halves(side, net, true) {
-        for quarter in halves(side, &half, false) {
-            let longest = Longest { u: 0.5 * longest.u, v: 0.5 * longest.v };
-            least = least.min(least_cosine(side, &quarter, axis, longest, halvings + 1)?);
-        }
-    }
-    Some(least)
+    is_rational: bool,
+    points: Vec<DVec4>,
 }
 
-/// De Casteljau's algorithm at ½, along u or v.
-fn halves(side: usize, net: &[DVec3], along_u: bool) -> [Vec<DVec3>; 2] {
-    let (mut low, mut high) = (net.to_vec(), net.to_vec());
-    let place = |line: usize, i: usize| if along_u { line * side + i } else { i * side + line };
-    for line in 0..side {
-        for step in 1..side {
-            for i in 0..side - step {
-                high[place(line, i)] = 0.5 * (high[place(line, i)] + high[place(line, i + 1)]);
+impl Net {
+    /// Vectors of which all tangents along u, and along v, are positive sums, apart from a factor.
+    fn tangents(&self) -> [Vec<DVec3>; 2] {
+        let side = self.side;
+        let along = |step: usize, rows: usize, columns: usize| -> Vec<DVec4> {
+            (0..rows * columns)
+                .map(|i| {
+                    let at = i / columns * side + i % columns;
+                    self.points[at + step] - self.points[at]
+                })
+                .collect()
+        };
+        let (du, dv) = (along(1, side, side - 1), along(side, side - 1, side));
+        if !self.is_rational {
+            return [du, dv].map(|net| net.iter().map(|point| point.truncate()).collect());
+        }
+        [quotient(&du, [side - 1, side], self), quotient(&dv, [side, side - 1], self)]
+    }
+
+    /// The smallest cosine between the axis and any normal; `None` if a normal may vanish or turn further
+    /// than the splits can tell. `longest` are the longest tangents of the whole patch, as the split patch
+    /// has them.
+    fn min_cosine(&self, axis: DVec3, longest: [f64; 2], splits: u32) -> Option<f64> {
+        // Shaders count shorter tangents, relative to the longest, as zero.
+        const SHORT: f64 = 2e-3;
+        const MIN: f64 = 0.02;
+        let [along_u, along_v] = self.tangents();
+        let mut min = 1.0_f64;
+        let mut long = true;
+        for a in &along_u {
+            long &= a.length() > SHORT * longest[0];
+            for b in &along_v {
+                let normal = a.cross(*b);
+                min = min.min(normal.dot(axis) / (a.length() * b.length()));
             }
-            low[place(line, step)] = high[place(line, 0)];
+        }
+        long &= along_v.iter().all(|b| b.length() > SHORT * longest[1]);
+        // A positive sum of vectors lies no further from the axis than the farthest of them.
+        if long && min > MIN {
+            return Some(min);
+        }
+        if splits == MAX_SPLITS {
+            return None;
+        }
+        let mut min = 1.0_f64;
+        for half in self.halves(true) {
+            for quarter in half.halves(false) {
+                let longest = longest.map(|length| 0.5 * length);
+                min = min.min(quarter.min_cosine(axis, longest, splits + 1)?);
+            }
+        }
+        Some(min)
+    }
+
+    /// Split at the middle of u or v.
+    fn halves(&self, along_u: bool) -> [Self; 2] {
+        let Self { side, is_rational, .. } = *self;
+        let place = |line: usize, i: usize| if along_u { line * side + i } else { i * side + line };
+        let mut halves = [self.points.clone(), self.points.clone()];
+        for line in 0..side {
+            let mut before: Vec<DVec4> = (0..side).map(|i| self.points[place(line, i)]).collect();
+            let mut after = before.clone();
+            split_slice(&mut before, &mut after, |a, b| 0.5 * (a + b));
+            for i in 0..side {
+                halves[0][place(line, i)] = before[i];
+                halves[1][place(line, i)] = after[i];
+            }
+        }
+        halves.map(|points| Self { side, is_rational, points })
+    }
+}
+
+fn longest(tangents: &[DVec3]) -> f64 {
+    tangents.iter().map(|tangent| tangent.length()).fold(0.0, f64::max)
+}
+
+/// The Bernstein coefficients of A′·w − A·w′, where (A, w) is the patch of a net and `slopes` are the control
+/// points of its derivative, in so many columns and rows.
+fn quotient(slopes: &[DVec4], [columns, rows]: [usize; 2], net: &Net) -> Vec<DVec3> {
+    let side = net.side;
+    let size = [columns + side - 1, rows + side - 1];
+    let mut product = vec![DVec3::ZERO; size[0] * size[1]];
+    for (i, slope) in slopes.iter().enumerate() {
+        for (j, point) in net.points.iter().enumerate() {
+            let of_slope = [i % columns, i / columns];
+            let of_point = [j % side, j / side];
+            let share = product_share([columns, side], [of_slope[0], of_point[0]])
+                * product_share([rows, side], [of_slope[1], of_point[1]]);
+            let at = (of_slope[1] + of_point[1]) * size[0] + of_slope[0] + of_point[0];
+            product[at] += share * (slope.truncate() * point.w - point.truncate() * slope.w);
         }
     }
-    [low, high]
+    product
+}
+
+/// With how much of it the product of two Bernstein polynomials adds to that one of the product's degree; given
+/// the number of control points of both factors, and which polynomials they are.
+fn product_share(counts: [usize; 2], indices: [usize; 2]) -> f64 {
+    let [a, b] = counts.map(|count| count - 1);
+    let [i, j] = indices;
+    binomial(a, i) * binomial(b, j) / binomial(a + b, i + j)
+}
+
+fn binomial(n: usize, k: usize) -> f64 {
+    (1..=k).map(|i| (n + 1 - i) as f64 / i as f64).product()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bezier::Patch;
+
+    /// A quarter of a cylinder along z: the quadratic arc (weights 1, √½, 1) raised to a cubic.
+    fn cylinder() -> Vec<DVec4> {
+        let s = std::f64::consts::FRAC_1_SQRT_2;
+        let (near, far) = (1.0, 2.0 * s / (1.0 + 2.0 * s));
+        let w = (1.0 + 2.0 * s) / 3.0;
+        let arc = [(1.0, 0.0, 1.0), (near, far, w), (far, near, w), (0.0, 1.0, 1.0)];
+        (0..16)
+            .map(|i| {
+                let (x, y, w) = arc[i % 4];
+                DVec4::new(x, y, (i / 4) as f64, w)
+            })
+            .collect()
+    }
+
+    /// The largest angle between the axis and normals of a fine grid, as a sine.
+    fn turned(points: &[DVec4], axis: Vec3) -> f64 {
+        let patch = Patch::new(Degree::Cubic, points);
+        let places = (0..=32).flat_map(|i| (0..=32).map(move |j| [i, j]));
+        places
+            .map(|place| {
+                let [u, v] = place.map(|i| f64::from(i) / 32.0);
+                let normal = patch.normal(u, v).unwrap();
+                assert!(normal.dot(axis.as_dvec3()) > 0.0);
+                normal.cross(axis.as_dvec3()).length()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn the_cone_of_a_rational_patch_holds_its_normals() {
+        let points = cylinder();
+        let cone = NormalCone::new(Degree::Cubic, &points);
+        assert_eq!(cone.kind(), PatchKind::Rational);
+        // Normals of a quarter turn by 45 degrees to either side of the middle.
+        let turned = turned(&points, cone.axis);
+        assert!((turned - 0.5_f64.sqrt()).abs() < 1e-6, "{turned}");
+        let sine = f64::from(cone.sine);
+        assert!((turned..turned + 0.1).contains(&sine), "{sine}, {turned}");
+    }
+
+    #[test]
+    fn uneven_weights_turn_normals_no_further_than_the_cone() {
+        for seed in 0..200_u32 {
+            let noise = |i: u32| {
+                let x = (f64::from(seed * 131 + i) * 12.9898).sin() * 43758.5453;
+                x - x.floor()
+            };
+            let points: Vec<DVec4> = (0..16)
+                .map(|i| {
+                    let (x, y) = (f64::from(i % 4), f64::from(i / 4));
+                    let z = 0.8 * noise(i);
+                    DVec4::new(x, y, z, 0.3 + 2.0 * noise(i + 16))
+                })
+                .collect();
+            let cone = NormalCone::new(Degree::Cubic, &points);
+            if cone.kind() == PatchKind::Rational {
+                assert!(turned(&points, cone.axis) <= f64::from(cone.sine), "{seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_back_of_a_rational_patch_is_known() {
+        let points = cylinder();
+        let cone = NormalCone::new(Degree::Cubic, &points);
+        // u turns from x to y, v runs along z: Su × Sv points outwards.
+        let away = |x: f64, y: f64| cone.faces_away(&points, Eye::At(DVec3::new(x, y, 1.5)), 1.0);
+        assert!(away(-9.0, -9.0) && !away(9.0, 9.0) && !away(9.0, -9.0));
+        let inwards = Eye::Towards(DVec3::new(-1.0, -1.0, 0.0));
+        assert!(cone.faces_away(&points, inwards, 1.0) && !cone.faces_away(&points, inwards, -1.0));
+    }
+
+    #[test]
+    fn a_tip_is_degenerate_with_and_without_weights() {
+        for weight in [1.0, 0.7] {
+            let mut points = cylinder();
+            for point in &mut points {
+                point.w = weight;
+            }
+            let first = points[0];
+            points[..4].fill(first);
+            let cone = NormalCone::new(Degree::Cubic, &points);
+            assert_eq!(cone.kind(), PatchKind::Degenerate);
+            assert_eq!(cone.is_rational(), weight != 1.0);
+        }
+    }
 }

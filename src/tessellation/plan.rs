@@ -23,7 +23,7 @@ use super::bound::{
     Candidate, ClipNet, Need, Points, Rounding, Screen, TOGETHER, ToClip, needs_of,
 };
 use super::edges::{EdgeTable, SIDES};
-use super::normal_cone::{Eye, NormalCone};
+use super::normal_cone::{Eye, NormalCone, PatchKind};
 use super::parts::{Cut, FixedParts, TrimParts};
 use crate::bezier::Degree;
 use crate::scene::TessLevel;
@@ -68,10 +68,10 @@ impl Part {
 /// Which list a part goes to: what is drawn with one program and one set of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Lists {
-    /// Parts that no trim touches: of patches with normals everywhere, and of the others.
-    pub(crate) kept: [u32; 2],
+    /// Parts that no trim touches, by [`PatchKind`].
+    pub(crate) kept: [u32; PatchKind::ALL.len()],
     /// Parts that a trim may cut.
-    pub(crate) trimmed: [u32; 2],
+    pub(crate) trimmed: [u32; PatchKind::ALL.len()],
 }
 
 /// What the pass has to know of a surface.
@@ -116,7 +116,8 @@ impl SurfacePatches<'_> {
         for (place, points) in patches.iter().enumerate().take(TOGETHER) {
             let patch = first + place;
             if !self.is_back::<N>(patch) {
-                candidates[count] = Candidate { points, weighed: self.is_weighed(patch), place };
+                let weighed = self.cones[patch].is_rational();
+                candidates[count] = Candidate { points, weighed, place };
                 count += 1;
             }
         }
@@ -127,15 +128,10 @@ impl SurfacePatches<'_> {
         needs
     }
 
-    /// Whether a patch's weights may differ from 1: of rational patches no normals are known.
-    fn is_weighed(&self, patch: usize) -> bool {
-        self.cones[patch].may_degenerate()
-    }
-
     /// A patch in clip space.
     fn net<const N: usize>(&self, patch: usize) -> ClipNet<N> {
         let points = &self.patches::<N>()[patch];
-        ClipNet::new((), |_| points, self.is_weighed(patch), &self.to_clip)
+        ClipNet::new((), |_| points, self.cones[patch].is_rational(), &self.to_clip)
     }
 }
 
@@ -285,10 +281,10 @@ impl Plan {
                 continue;
             };
             raise(&mut self.figures.largest_bound, need.bound.error([level; 2], screen));
-            let degenerate = usize::from(surface.cones[patch].may_degenerate());
+            let kind = surface.cones[patch].kind() as usize;
             for (list, places) in [
-                (surface.lists.kept[degenerate], &fixed.kept),
-                (surface.lists.trimmed[degenerate], &fixed.trimmed),
+                (surface.lists.kept[kind], &fixed.kept),
+                (surface.lists.trimmed[kind], &fixed.trimmed),
             ] {
                 for place in places {
                     let edges = [fixed.parts.level; SIDES];
@@ -449,11 +445,11 @@ impl Plan {
         for (side, edge) in table.of(number).into_iter().enumerate() {
             borders[side] = self.edges[edge].rounded() >> state.halvings[axis_of(side)];
         }
-        let degenerate = usize::from(surface.cones[patch].may_degenerate());
+        let kind = surface.cones[patch].kind() as usize;
         let list_of = |cut: Option<Cut>| {
             let is_trimmed = cut.is_some_and(Cut::is_trimmed);
             let lists = if is_trimmed { surface.lists.trimmed } else { surface.lists.kept };
-            lists[degenerate]
+            lists[kind]
         };
         if state.halvings == [0; 2] {
             // By itself, because nearly all are so: the whole pass takes a sixth less.

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::{FillRule, Segment, TrimLoop};
+use crate::bezier::{bounding_box, split};
 
 /// Pieces smaller than this, relative to the sample's coordinates where those exceed 1, are points.
 /// Larger, and shaders in `f32` could tell; smaller, and rounding would keep pieces from shrinking.
@@ -37,32 +38,17 @@ pub fn ray_crossings(segment: &Segment, uv: DVec2) -> i32 {
 }
 
 fn crossings<const N: usize>(points: [DVec2; N], uv: DVec2) -> i32 {
-    let least = points.iter().copied().reduce(DVec2::min).expect("N > 0");
-    let most = points.iter().copied().reduce(DVec2::max).expect("N > 0");
-    if uv.y < least.y || uv.y > most.y || uv.x >= most.x {
+    let [min, max] = bounding_box(points);
+    if uv.y < min.y || uv.y > max.y || uv.x >= max.x {
         return 0;
     }
     let point_size = POINT_SIZE * uv.abs().max_element().max(1.0);
-    if uv.x < least.x || (most - least).max_element() < point_size {
+    if uv.x < min.x || (max - min).max_element() < point_size {
         // The whole piece lies on the ray's side: only where it ends matters.
         return i32::from(points[0].y <= uv.y) - i32::from(points[N - 1].y <= uv.y);
     }
-    let [first, second] = halves(points);
+    let [first, second] = split(&points, |a, b| (a + b) * 0.5);
     crossings(first, uv) + crossings(second, uv)
-}
-
-/// The two halves of a Bézier curve, split at ½ by de Casteljau's algorithm.
-fn halves<const N: usize>(points: [DVec2; N]) -> [[DVec2; N]; 2] {
-    let mut blended = points;
-    let (mut first, mut second) = (points, points);
-    for step in 1..N {
-        for i in 0..N - step {
-            blended[i] = (blended[i] + blended[i + 1]) * 0.5;
-        }
-        first[step] = blended[0];
-        second[N - 1 - step] = blended[N - 1 - step];
-    }
-    [first, second]
 }
 
 #[cfg(test)]
@@ -133,15 +119,6 @@ mod tests {
                 assert_eq!(inside_loops(std::slice::from_ref(&arch), uv), expected, "{uv}");
             }
         }
-    }
-
-    #[test]
-    fn halves_meet_and_keep_the_ends() {
-        let points = [dvec2(0.1, 0.9), dvec2(0.4, -0.3), dvec2(1.2, 0.8), dvec2(0.6, 0.2)];
-        let [first, second] = halves(points);
-        assert_eq!((first[0], second[3], first[3]), (points[0], points[3], second[0]));
-        let middle = (points[0] + 3.0 * (points[1] + points[2]) + points[3]) / 8.0;
-        assert!(first[3].distance(middle) < 1e-15);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use glam::{DVec2, Vec2};
 use kurbo::common::solve_quadratic;
 
 use super::{Segment, TrimLoop};
+use crate::bezier;
 
 /// Halvings of a piece before a sample this close to the curve is taken as right of it.
 const HALVINGS: u32 = 24;
@@ -160,11 +161,8 @@ fn as_cubic(segment: &Segment) -> Curve {
 }
 
 /// Both parts of a curve, cut at `t`.
-pub(super) fn split([a, b, c, d]: &Curve, t: f64) -> [Curve; 2] {
-    let (ab, bc, cd) = (a.lerp(*b, t), b.lerp(*c, t), c.lerp(*d, t));
-    let (abc, bcd) = (ab.lerp(bc, t), bc.lerp(cd, t));
-    let middle = abc.lerp(bcd, t);
-    [[*a, ab, abc, middle], [middle, bcd, cd, *d]]
+pub(super) fn split(curve: &Curve, t: f64) -> [Curve; 2] {
+    bezier::split(curve, |a, b| a.lerp(b, t))
 }
 
 /// Cuts a curve until its control points are monotone in both coordinates.

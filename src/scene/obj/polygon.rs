@@ -2,6 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::bezier::bounding_box;
+
 /// The sine of an angle below which a corner is taken for straight: rounding may have turned it.
 const STRAIGHT: f64 = 1e-12;
 
@@ -152,8 +154,7 @@ struct Blockers {
 
 impl Blockers {
     fn new(corners: &[DVec2]) -> Self {
-        let low = corners.iter().copied().reduce(DVec2::min).unwrap_or_default();
-        let high = corners.iter().copied().reduce(DVec2::max).unwrap_or_default();
+        let [low, high] = bounding_box(corners.iter().copied());
         let columns = (corners.len() / 4).isqrt().clamp(1, 512);
         let scale = columns as f64 / (high - low).max(DVec2::splat(f64::MIN_POSITIVE.sqrt()));
         Self { low, scale, columns, cells: vec![Vec::new(); columns * columns] }

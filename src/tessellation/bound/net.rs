@@ -4,6 +4,7 @@ use glam::{DMat4, DVec4};
 
 use super::number::Number;
 use super::{Bound, Curvature, ROUNDING_UNIT, Rounding, Screen};
+use crate::bezier::split;
 
 /// From the space of control points to clip space: the matrix row by row.
 #[derive(Debug, Clone, Copy)]
@@ -212,7 +213,7 @@ impl<const N: usize> ClipNet<N> {
         let mut halves = [*self; 2];
         for axis in 0..5 {
             for row in 0..N {
-                let [low, high] = halved(&self.axes[axis][row]);
+                let [low, high] = split(&self.axes[axis][row], middle);
                 halves[0].axes[axis][row] = low;
                 halves[1].axes[axis][row] = high;
             }
@@ -225,7 +226,7 @@ impl<const N: usize> ClipNet<N> {
         let mut halves = [*self; 2];
         for axis in 0..5 {
             for column in 0..N {
-                let [low, high] = halved(&self.axes[axis].map(|row| row[column]));
+                let [low, high] = split(&self.axes[axis].map(|row| row[column]), middle);
                 for row in 0..N {
                     halves[0].axes[axis][row][column] = low[row];
                     halves[1].axes[axis][row][column] = high[row];
@@ -326,19 +327,11 @@ impl<T: Number> Seen<T> {
     }
 }
 
+fn middle(a: f64, b: f64) -> f64 {
+    0.5 * (a + b)
+}
+
 #[inline(always)]
 fn difference<T: Number>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-/// De Casteljau's algorithm at ½: the control points of both halves.
-fn halved<const N: usize>(line: &[f64; N]) -> [[f64; N]; 2] {
-    let (mut low, mut high) = (*line, *line);
-    for (step, low) in low.iter_mut().enumerate().skip(1) {
-        for i in 0..N - step {
-            high[i] = 0.5 * (high[i] + high[i + 1]);
-        }
-        *low = high[0];
-    }
-    [low, high]
 }

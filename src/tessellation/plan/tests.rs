@@ -44,7 +44,7 @@ fn many_patches_need_what_each_needs_alone() {
                 first_point: 0,
                 first_patch: 0,
                 number: 0,
-                lists: Lists { kept: [0; 2], trimmed: [0; 2] },
+                lists: Lists { kept: [0; 3], trimmed: [0; 3] },
             };
             let needs =
                 (0..patches).step_by(TOGETHER).flat_map(|first| surface.needs::<4>(first, &screen));
