@@ -10,13 +10,12 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::Criterion;
-use freeform_surface::gpu::{self, Framebuffer};
-use freeform_surface::reference::thesis_normal;
-use freeform_surface::renderer::StaticLook;
-use freeform_surface::renderer::programs::{Output, TrimFeatures, location};
+use freeform_surface::inspect::StaticStyle;
+use freeform_surface::inspect::programs::{Output, TrimFeatures, location};
+use freeform_surface::inspect::reference::thesis_normal;
 use freeform_surface::{
-    Backend, Degree, Frame, Headless, Method, PreparedScene, Renderer, Scene, Shading, Surface,
-    TessLevel, Tessellation,
+    Backend, Degree, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Scene, Shading,
+    Surface, TessLevel, Tessellation,
 };
 use glam::DVec4;
 
@@ -67,18 +66,17 @@ fn main() {
             let mesh = static_mesh::of_surface(gl, &scene, thesis_normal);
             let surface = &scene.surfaces[0];
             let texture = surface.paint.upload(gl).expect("the picture fits");
-            let look = StaticLook {
+            let look = StaticStyle {
                 method: Method::Thesis,
                 shading: Shading::Phong,
                 trims: TrimFeatures { circles: true, ..TrimFeatures::NONE },
                 texture: &texture,
             };
-            let frame =
-                Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
+            let frame = Frame::of(&scene, (SIDE, SIDE));
             target.bind();
             let mut tessellated = || {
                 let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
-                gpu::finish(gl);
+                gl.finish();
             };
             let name = format!(
                 "{patches} patches, level {level}, {}",
@@ -94,7 +92,7 @@ fn main() {
             let mut static_mesh = || {
                 still.clear(frame.settings.background);
                 still.draw_static(black_box(&mesh), &look, &frame).expect("it draws");
-                gpu::finish(gl);
+                gl.finish();
             };
             criterion.bench_function(&format!("static mesh: {name}"), |b| b.iter(&mut static_mesh));
 

@@ -12,13 +12,13 @@ mod turns;
 
 use std::hint::black_box;
 
-use freeform_surface::gpu::{self, Framebuffer};
-use freeform_surface::renderer::StaticLook;
-use freeform_surface::renderer::programs::TrimFeatures;
+use freeform_surface::inspect::StaticStyle;
+use freeform_surface::inspect::programs::TrimFeatures;
+use freeform_surface::inspect::{CurvedTriangle, HalfedgeMesh, PnTriangle, SmoothTriangle};
 use freeform_surface::{
-    Alpha, Backend, CurvedTriangle, Frame, HalfedgeMesh, Headless, Mesh, MeshModel, Method, Paint,
-    PnTriangle, PreparedScene, RenderSettings, Renderer, Scene, Shading, SmoothTriangle, Smoothing,
-    TessLevel, Tessellation, Tolerance, smooth,
+    Alpha, Backend, Frame, Framebuffer, Headless, Mesh, MeshModel, Method, Paint, PreparedScene,
+    RenderSettings, Renderer, Scene, Shading, Smoothing, TessLevel, Tessellation, Tolerance,
+    smooth,
 };
 use glam::{DMat4, DVec3, dvec3};
 use shapes::torus;
@@ -159,12 +159,11 @@ fn on_the_gpu() {
             let scene = scene_of(&mesh, smoothing, Tessellation::Level(level));
             let mut renderer = Renderer::new(gl).expect("a renderer");
             let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
-            let frame =
-                Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
+            let frame = Frame::of(&scene, (SIDE, SIDE));
             let step = smooth(mesh.clone(), smoothing, 1).expect("a torus");
             let mesh_of_step = static_mesh::of_mesh(gl, &step);
             let grey = Paint::Color([0.8; 3]).upload(gl).expect("a texel");
-            let look = StaticLook {
+            let look = StaticStyle {
                 method: Method::Exact,
                 shading: Shading::Phong,
                 trims: TrimFeatures::NONE,
@@ -174,12 +173,12 @@ fn on_the_gpu() {
             let ms = in_turns(&mut [
                 &mut || {
                     let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
-                    gpu::finish(gl);
+                    gl.finish();
                 },
                 &mut || {
                     still.clear(frame.settings.background);
                     still.draw_static(&mesh_of_step, &look, &frame).expect("it draws");
-                    gpu::finish(gl);
+                    gl.finish();
                 },
             ]);
             let triangles = mesh.triangles().len();
@@ -202,11 +201,10 @@ fn moving() {
         let scene = scene_of(&mesh, Smoothing::Pn, half_a_pixel);
         let renderer = Renderer::new(gl).expect("a renderer");
         let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
-        let frame = Frame { projection: scene.projection(64, 64), settings: scene.settings };
+        let frame = Frame::of(&scene, (64, 64));
         // Two views in turns, so that each is new.
         let mut other = frame;
-        other.projection.view =
-            DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.projection.view;
+        other.camera.view = DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.camera.view;
         let views = [frame, other];
         let mut turn = 0;
         let ms = in_turns(&mut [&mut || {

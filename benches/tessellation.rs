@@ -8,12 +8,11 @@
 mod static_mesh;
 mod turns;
 
-use freeform_surface::gpu::{self, Framebuffer, Gl};
-use freeform_surface::renderer::StaticLook;
-use freeform_surface::renderer::programs::TrimFeatures;
+use freeform_surface::inspect::StaticStyle;
+use freeform_surface::inspect::programs::TrimFeatures;
 use freeform_surface::{
-    Backend, Camera, Degree, Frame, Headless, Interval, Lens, Method, Normals, Patch,
-    PreparedScene, Renderer, Scene, Shading, Surface, TessLevel, Tessellation, Tolerance,
+    Backend, Camera, Degree, Frame, Framebuffer, Gl, Headless, Lens, Method, Normals, Patch,
+    PreparedScene, Rect, Renderer, Scene, Shading, Surface, TessLevel, Tessellation, Tolerance,
 };
 use glam::{DVec3, DVec4, dvec2, dvec3};
 use turns::{in_turns, line};
@@ -67,13 +66,13 @@ impl<'a> Drawn<'a> {
     fn new(gl: &'a Gl, scene: &Scene, (width, height): (u32, u32)) -> Self {
         let renderer = Renderer::new(gl).expect("a renderer");
         let prepared = PreparedScene::new(&renderer, scene).expect("it fits");
-        let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
+        let frame = Frame::of(scene, (width, height));
         Self { gl, renderer, prepared, frame }
     }
 
     fn draw(&mut self) {
         let _ = self.prepared.draw(&mut self.renderer, &self.frame).expect("it draws");
-        gpu::finish(self.gl);
+        self.gl.finish();
     }
 
     fn triangles(&mut self) -> u64 {
@@ -117,7 +116,7 @@ fn static_meshes(gl: &Gl) {
             let mut ours = Drawn::new(gl, &scene, (SIDE, SIDE));
             let mesh = static_mesh::of_surface(gl, &scene, exact_normal);
             let texture = scene.surfaces[0].paint.upload(gl).expect("the picture fits");
-            let look = StaticLook {
+            let look = StaticStyle {
                 method: Method::Exact,
                 shading: Shading::Phong,
                 trims: TrimFeatures::NONE,
@@ -128,7 +127,7 @@ fn static_meshes(gl: &Gl) {
             let ms = in_turns(&mut [&mut || ours.draw(), &mut || {
                 still.clear(frame.settings.background);
                 still.draw_static(&mesh, &look, &frame).expect("it draws");
-                gpu::finish(gl);
+                gl.finish();
             }]);
             let bar = if cells >= 8 { "≤ 1.3" } else { "≤ 1.8" };
             let what =
@@ -205,8 +204,8 @@ fn moving(gl: &Gl) {
         // Alone, without drawing: two views in turns, so that each is new.
         let views = [drawn.frame, {
             let mut other = drawn.frame;
-            other.projection.view =
-                glam::DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.projection.view;
+            other.camera.view =
+                glam::DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.camera.view;
             other
         }];
         let mut turn = 0;
@@ -242,7 +241,7 @@ fn out_of_sight(gl: &Gl) {
     let [mut whole, mut seen] = [&all, &few].map(|scene| Drawn::new(gl, scene, (SIDE, SIDE)));
     // Every frame is a new view.
     let step = |drawn: &mut Drawn<'_>| {
-        drawn.frame.projection.view.w_axis.x += 1e-6;
+        drawn.frame.camera.view.w_axis.x += 1e-6;
         drawn.draw();
     };
     let ms = in_turns(&mut [&mut || step(&mut whole), &mut || step(&mut seen)]);
@@ -269,8 +268,8 @@ fn cut_away(gl: &Gl) {
     scene.camera = Some(camera.expect("a camera"));
     scene.settings.tessellation = within(0.5);
     let mut whole = Drawn::new(gl, &scene, (SIDE, SIDE));
-    let trim = Interval::new(dvec2(0.0, 1.0), dvec2(0.1, 1.0)).expect("an interval");
-    scene.surfaces[0].trims.intervals.push(trim);
+    let trim = Rect::new(dvec2(0.0, 1.0), dvec2(0.1, 1.0)).expect("an interval");
+    scene.surfaces[0].trims.rects.push(trim);
     let mut cut = Drawn::new(gl, &scene, (SIDE, SIDE));
     let ms = in_turns(&mut [&mut || cut.draw(), &mut || whole.draw()]);
     line("a patch with 90 % cut away / the same uncut", ms[0] / ms[1], "≤ 0.5");

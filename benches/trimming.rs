@@ -7,10 +7,10 @@ mod turns;
 
 use std::hint::black_box;
 
-use freeform_surface::gpu::{self, Framebuffer, Gl};
+use freeform_surface::inspect::TrimGrid;
 use freeform_surface::{
-    Backend, Frame, FreeFormSurface, Headless, Method, PreparedScene, RenderSettings, Renderer,
-    Scene, Segment, TrimGrid, TrimLoop, Trims,
+    Backend, Frame, Framebuffer, FreeFormSurface, Gl, Headless, Method, PreparedScene,
+    RenderSettings, Renderer, Scene, Segment, TrimLoop, Trims,
 };
 use glam::{DVec2, dvec2};
 use turns::{in_turns, line};
@@ -114,11 +114,10 @@ fn frames(gl: &Gl) {
         .map(|scene| {
             let mut renderer = Renderer::new(gl).expect("a renderer");
             let mut prepared = PreparedScene::new(&renderer, scene).expect("it fits");
-            let projection = scene.projection(SIDE, SIDE);
-            let frame = Frame { projection, settings: scene.settings };
+            let frame = Frame::of(scene, (SIDE, SIDE));
             move || {
                 let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
-                gpu::finish(gl);
+                gl.finish();
             }
         })
         .collect();
@@ -165,7 +164,7 @@ fn building(gl: &Gl) {
         surface.clear_trims();
         surface.add_trim_loop(hole(dvec2(at, 0.5), 0.2)).expect("a loop");
         surface.prepare(&renderer, &settings).expect("it fits");
-        gpu::finish(gl);
+        gl.finish();
     });
     line("one loop of 4 segments changed: rebuild and upload, ms", ms, "≤ 0.2");
 }
@@ -188,10 +187,10 @@ fn many_surfaces(gl: &Gl) {
         }
         let mut renderer = Renderer::new(gl).expect("a renderer");
         let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
-        let frame = Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
+        let frame = Frame::of(&scene, (SIDE, SIDE));
         let ms = timed(|| {
             let _ = prepared.draw(&mut renderer, &frame).expect("it draws");
-            gpu::finish(gl);
+            gl.finish();
         });
         line(&format!("{count} surfaces of 8 segments, ms a frame"), ms, "");
     }

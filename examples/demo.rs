@@ -7,10 +7,8 @@
 use std::error::Error;
 use std::num::NonZeroU32;
 
-use freeform_surface::gpu::Gl;
-use freeform_surface::{Frame, FreeFormSurface, Renderer, Scene, TessLevel, Tessellation};
+use freeform_surface::{Frame, FreeFormSurface, Gl, Renderer, Scene, TessLevel, Tessellation};
 use glam::DMat4;
-use glow::HasContext as _;
 use glutin::config::ConfigTemplateBuilder;
 use glutin::context::{
     ContextApi, ContextAttributesBuilder, NotCurrentGlContext as _, PossiblyCurrentContext, Version,
@@ -117,12 +115,7 @@ impl Demo {
         let Some(shown) = &mut self.shown else { return Ok(()) };
         let size = shown.window.inner_size();
         let (width, height) = (size.width.max(1), size.height.max(1));
-        // SAFETY: the context is current.
-        unsafe { shown.renderer.gl().viewport(0, 0, width as i32, height as i32) };
-        let frame = Frame {
-            projection: self.scene.projection(width, height),
-            settings: self.scene.settings,
-        };
+        let frame = Frame::of(&self.scene, (width, height));
         shown.renderer.clear(frame.settings.background);
         let _ = shown.freeform.render(&mut shown.renderer, &frame)?;
         Ok(shown.surface.swap_buffers(&shown.context)?)

@@ -5,29 +5,27 @@
 
 use std::rc::Rc;
 
-use freeform_surface::gpu::{Framebuffer, Texture};
 use freeform_surface::{
-    Backend, Frame, FreeFormSurface, Headless, RenderSettings, Renderer, Scene, load_texture,
+    Frame, FreeFormSurface, Offscreen, RenderSettings, Scene, Texture, load_texture,
 };
 use glam::{DMat4, dvec2, dvec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let context = Headless::new(Backend::Auto)?;
-    let target = Framebuffer::new(context.gl(), 1000, 600)?;
-    let mut renderer = Renderer::new(context.gl())?;
+    let mut offscreen = Offscreen::new(1000, 600)?;
+    offscreen.target().bind();
+    let renderer = offscreen.renderer_mut();
 
     // Listings 14 and 15.
-    let mut freeform = FreeFormSurface::new(&renderer)?;
+    let mut freeform = FreeFormSurface::new(renderer)?;
     let bricks = load_texture(
         concat!(env!("CARGO_MANIFEST_DIR"), "/resources/textures/brick.png").as_ref(),
     )?;
-    freeform.set_texture(Rc::new(Texture::new(context.gl(), "bricks", &bricks)?));
+    freeform.set_texture(Rc::new(Texture::new(renderer.gl(), "bricks", &bricks)?));
 
     // Listing 16. The camera is the one that frames the scene of the same listing.
-    let frame = Frame {
-        projection: Scene::listing16().projection(1000, 600),
-        settings: RenderSettings::default(),
-    };
+    let size = (1000, 600);
+    let camera = Scene::listing16().projection(size.0, size.1);
+    let frame = Frame::new(camera, size, RenderSettings::default());
     freeform.set_model_matrix(DMat4::from_translation(dvec3(0.0, 1.0, 0.0)))?;
     freeform.set_specific_control_point(dvec3(-0.17, 0.5, 0.17), 5)?;
     freeform.set_specific_control_point(dvec3(0.17, 0.5, 0.17), 6)?;
@@ -35,19 +33,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     freeform.set_specific_control_point(dvec3(0.17, 0.5, -0.17), 10)?;
     freeform.enable_circular_trimming();
     freeform.circular_trimming(0.2, dvec2(0.5, 0.5))?;
-    target.bind();
     renderer.clear(frame.settings.background);
-    let _ = freeform.render(&mut renderer, &frame)?;
+    let _ = freeform.render(renderer, &frame)?;
     freeform.disable_circular_trimming();
-    target.read().save("listing16.png")?;
+    offscreen.target().read().save("listing16.png")?;
 
     // Listing 17: clockwise from the left, the two ends on one row.
     let [left, top, right, bottom] =
         [dvec2(0.2, 0.5), dvec2(0.5, 1.38), dvec2(0.8, 0.5), dvec2(0.5, -0.38)];
     freeform.set_bezier_curve_trimming(left, top, right, bottom)?;
+    let renderer = offscreen.renderer_mut();
     renderer.clear(frame.settings.background);
-    let _ = freeform.render(&mut renderer, &frame)?;
-    target.read().save("listing17.png")?;
+    let _ = freeform.render(renderer, &frame)?;
+    offscreen.target().read().save("listing17.png")?;
     println!("wrote listing16.png and listing17.png");
     Ok(())
 }

@@ -2,8 +2,7 @@
 //!
 //! `cargo run --release --example one_surface` writes `one_surface.png`.
 
-use freeform_surface::gpu::Framebuffer;
-use freeform_surface::{Backend, Frame, Headless, PreparedScene, Renderer, Scene};
+use freeform_surface::{Offscreen, Scene};
 
 const SCENE: &str = r#"
 [[surface]]
@@ -20,14 +19,10 @@ ellipse = { center = [0.5, 0.5], radii = [0.3, 0.15] }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = Scene::from_toml(SCENE, "one_surface.toml".as_ref())?;
-    let context = Headless::new(Backend::Auto)?;
-    let target = Framebuffer::new(context.gl(), 800, 600)?;
-    let mut renderer = Renderer::new(context.gl())?;
-    let frame = Frame { projection: scene.projection(800, 600), settings: scene.settings };
-    target.bind();
-    let figures = PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
-    target.read().save("one_surface.png")?;
-    let (triangles, driver) = (figures.triangles, &context.info().renderer);
-    println!("wrote one_surface.png: {triangles} triangles, drawn by {driver}");
+    let mut offscreen = Offscreen::new(800, 600)?;
+    let (picture, stats) = offscreen.render(&scene)?;
+    picture.save("one_surface.png")?;
+    let driver = &offscreen.context().info().renderer;
+    println!("wrote one_surface.png: {} triangles, drawn by {driver}", stats.triangles);
     Ok(())
 }

@@ -7,8 +7,7 @@
 #![allow(unsafe_code, reason = "a caller with a context of its own calls OpenGL itself")]
 
 use freeform_surface::glam::{DVec3, dvec2};
-use freeform_surface::gpu::Gl;
-use freeform_surface::{Camera, Frame, FreeFormSurface, RenderSettings, Renderer};
+use freeform_surface::{Camera, Frame, FreeFormSurface, Gl, RenderSettings, Renderer};
 use glow::{HasContext, PixelPackData};
 use glutin::api::egl::{device::Device, display::Display};
 use glutin::config::{ConfigSurfaceTypes, ConfigTemplateBuilder};
@@ -54,7 +53,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 Some(buffer),
             );
         }
-        gl.viewport(0, 0, SIZE, SIZE);
         gl.clear_color(1.0, 1.0, 1.0, 1.0);
         gl.clear(glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT);
         gl.enable(glow::SCISSOR_TEST);
@@ -75,10 +73,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         surface.circular_trimming(0.2, dvec2(0.5, 0.5))?;
         let points = surface.surface().world_points();
         let camera = Camera::framing(points.clone(), DVec3::Y, 1.0);
-        let projection = camera.projection(points, 1.0);
-        let frame = Frame { projection, settings: RenderSettings::default() };
-        let figures = surface.render(&mut renderer, &frame)?;
-        println!("{} triangles in {} draws", figures.triangles, figures.draws);
+        let size = (SIZE as u32, SIZE as u32);
+        let frame = Frame::new(camera.projection(points, 1.0), size, RenderSettings::default());
+        let stats = surface.render(&mut renderer, &frame)?;
+        println!("{} triangles in {} draws", stats.triangles, stats.draws);
     }
 
     let mut pixels = vec![0; (4 * SIZE * SIZE) as usize];

@@ -11,9 +11,10 @@ mod smooth;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Backend, CreaseAngle, Error, Method, NewtonTrims, Normals, Samples, Scene, Smoothing,
-    TessLevel, Tessellation, Tolerance,
+    Alpha, Backend, CreaseAngle, Error, Method, Normals, Samples, Scene, Smoothing, TessLevel,
+    Tessellation, Tolerance,
 };
 
 use exr::AovFile;

@@ -17,7 +17,6 @@ mod texture;
 mod timer;
 mod vertex_array;
 
-use glam::{IVec2, UVec2, Vec4};
 use glow::HasContext;
 
 pub use buffer::Buffer;
@@ -53,44 +52,11 @@ pub(crate) fn keep_memory(gl: &glow::Context) {
     }
 }
 
-/// What is drawn into.
-pub(crate) struct Target {
-    /// The viewport's first pixel.
-    pub(crate) first: IVec2,
-    /// Width and height of the viewport in pixels, at least 1.
-    pub(crate) size: UVec2,
-    /// Samples a pixel.
-    pub(crate) samples: u32,
-}
-
-impl Target {
-    /// The viewport as `common/aov.frag` has it: its first pixel, half of its width and height.
-    pub(crate) fn viewport(&self) -> Vec4 {
-        let (first, half) = (self.first.as_vec2(), 0.5 * self.size.as_vec2());
-        Vec4::new(first.x, first.y, half.x, half.y)
-    }
-
-    /// What is bound now.
-    pub(crate) fn bound(gl: &glow::Context) -> Self {
-        let mut viewport = [0; 4];
-        // SAFETY: the context is current (see the module); a viewport has four numbers.
-        let samples = unsafe {
-            gl.get_parameter_i32_slice(glow::VIEWPORT, &mut viewport);
-            gl.get_parameter_i32(glow::SAMPLES)
-        };
-        let at_least_1 = |number: i32| u32::try_from(number).unwrap_or(0).max(1);
-        Self {
-            first: IVec2::new(viewport[0], viewport[1]),
-            size: UVec2::new(at_least_1(viewport[2]), at_least_1(viewport[3])),
-            samples: at_least_1(samples),
-        }
-    }
-}
-
-/// Waits until the driver has done everything it was told.
-pub fn finish(gl: &glow::Context) {
+/// Samples of each pixel of the bound framebuffer, at least 1.
+pub(crate) fn samples_of_target(gl: &glow::Context) -> u32 {
     // SAFETY: the context is current (see the module).
-    unsafe { gl.finish() }
+    let samples = unsafe { gl.get_parameter_i32(glow::SAMPLES) };
+    u32::try_from(samples).unwrap_or(0).max(1)
 }
 
 /// Makes pixels go to and from memory row by row without gaps, whatever the caller of the library

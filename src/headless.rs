@@ -2,12 +2,15 @@
 #![allow(unsafe_code, reason = "contexts are made through EGL and OSMesa")]
 
 mod egl;
+mod offscreen;
 mod osmesa;
 
 use std::ffi::{CStr, c_void};
 use std::fmt;
 use std::rc::Rc;
 use std::str::FromStr;
+
+pub use offscreen::Offscreen;
 
 use crate::error::{Error, Result};
 use crate::gpu::{DebugLog, DriverInfo, Gl, check_context};

@@ -1,40 +1,41 @@
 //! Trimmed Bézier surfaces, drawn from their control points with OpenGL 4.5 tessellation.
 //!
-//! The crate is a port of a thesis' `FreeFormSurface` class (Schank, *Rendering von
-//! Freiformflächen*, Koblenz 2018): patches of 4×4 control points, cut by circles, intervals,
-//! ellipses and Bézier curves in the fragment stage; and of a report's renderer of 5×5 points.
-//! Beside that [`Method::Thesis`] stands [`Method::Exact`], the default: any trims at all, decided
-//! right at every sample through a [`TrimGrid`]. With them come headless contexts, a scene format, and
-//! a renderer on the CPU in `f64` that tells whether the GPU's pictures are right
-//! ([`mod@reference`]).
-//!
-//! With the feature `headless`:
+//! A [`Scene`] says what is drawn; an [`Offscreen`] makes a picture of it without a display (feature `headless`):
 //!
 #![cfg_attr(feature = "headless", doc = "```no_run")]
 #![cfg_attr(not(feature = "headless"), doc = "```ignore")]
-//! use freeform_surface::{Backend, Frame, Headless, PreparedScene, Renderer, Scene};
-//! use freeform_surface::gpu::Framebuffer;
+//! use freeform_surface::{Offscreen, Scene};
 //!
-//! # fn main() -> freeform_surface::Result<()> {
-//! let scene = Scene::load("resources/surfaces/teapot.bpt".as_ref())?;
-//! let context = Headless::new(Backend::Auto)?;
-//! let target = Framebuffer::new(context.gl(), 1000, 600)?;
-//! let mut renderer = Renderer::new(context.gl())?;
-//! let frame = Frame {
-//!     projection: scene.projection(1000, 600),
-//!     settings: scene.settings,
-//! };
-//! target.bind();
-//! let stats = PreparedScene::new(&renderer, &scene)?.draw(&mut renderer, &frame)?;
-//! assert_eq!(stats.unmet, None, "how far off it is where the tolerance could not be met");
-//! let picture = target.read();
-//! # Ok(())
-//! # }
+//! fn main() -> Result<(), Box<dyn std::error::Error>> {
+//!     let scene = Scene::load("resources/surfaces/teapot.bpt".as_ref())?;
+//!     let mut offscreen = Offscreen::new(1000, 600)?;
+//!     let (picture, stats) = offscreen.render(&scene)?;
+//!     picture.save("teapot.png")?;
+//!     println!("{} triangles in {} draws", stats.triangles, stats.draws);
+//!     assert_eq!(stats.unmet, None, "how far off it is where the tolerance could not be met");
+//!     Ok(())
+//! }
 //! ```
 //!
-//! In an OpenGL context of your own, leave `Headless` and `Framebuffer` away: [`gpu::Gl::new`]
-//! takes any `glow::Context` of version 4.5, and [`FreeFormSurface::render`] draws into whatever
-//! framebuffer is bound.
+//! # What to call
+//!
+//! | to | call |
+//! |---|---|
+//! | read a scene file | [`Scene::load`] (`.toml`, `.bpt`, `.obj`), [`Scene::from_toml`] |
+//! | make a scene in code | [`Surface::new`] or [`MeshModel::new`], put into a [`Scene`] |
+//! | cut holes | [`Surface::trims`]: [`Circle`], [`Rect`], [`Ellipse`], [`TrimLoop`], [`TrimPath`] (SVG) |
+//! | draw in an OpenGL context of your own | [`Gl::new`], [`Renderer::new`], then [`PreparedScene::draw`] with a [`Frame`] |
+//! | draw one surface under the thesis' calls | [`FreeFormSurface::render`] |
+//! | see from elsewhere | [`Camera::projection`] or [`Camera::framing`], into [`Frame::new`] |
+//! | change points and trims between frames | [`PreparedScene::surfaces_mut`], [`PreparedSurface`] |
+//! | get positions, normals and depth of pixels | [`PreparedScene::aovs`] |
+//! | choose accuracy, normals, samples, background | [`RenderSettings`] |
+//!
+//! # Two methods
+//!
+//! [`Method::Exact`], the default, keeps every pixel within a tolerance of the surface, decides trims right at
+//! every sample, and takes any trims. [`Method::Thesis`] is the port of a thesis' `FreeFormSurface` class (Schank,
+//! *Rendering von Freiformflächen*, Koblenz 2018) and of a report's renderer of 5×5 points, with their limits.
 //!
 //! # Conventions
 //!
@@ -61,51 +62,71 @@
 //!
 //! # Features
 //!
-//! `cli` (default) builds the `freeform` program; `viewer` its window; `headless` the contexts without a
-//! display; `svg` takes SVG documents as trims. With `default-features = false` the library brings neither clap
-//! nor glutin nor usvg.
+//! | feature | brings |
+//! |---|---|
+//! | `cli` (default) | the program `freeform`, and the features `headless`, `inspect` and `svg` |
+//! | `headless` | contexts without a display: [`Offscreen`], [`Headless`] |
+//! | `svg` | SVG documents as trims |
+//! | `viewer` | the window of `freeform view` |
+//! | `inspect` | the module [`inspect`]: what tests and the report look at |
+//!
+//! With `default-features = false` the library brings neither clap nor glutin nor usvg.
+
+#![cfg_attr(
+    not(feature = "inspect"),
+    allow(
+        dead_code,
+        unreachable_pub,
+        unused_imports,
+        reason = "some code is for the module `inspect` alone"
+    )
+)]
 
 mod aov;
 mod bezier;
 mod camera;
 mod error;
-pub mod gpu;
+mod gpu;
 #[cfg(feature = "headless")]
 mod headless;
-pub mod measure;
+#[cfg(feature = "inspect")]
+pub mod inspect;
+#[cfg(feature = "inspect")]
+mod measure;
 mod mesh;
-pub mod reference;
-pub mod renderer;
+mod prepared;
+mod programs;
+#[cfg(feature = "inspect")]
+mod reference;
+mod renderer;
 mod scene;
-mod surface;
 mod tessellation;
+mod thesis;
 mod trim;
 
-// The versions that this crate's own types are made of.
+// The crates that this crate's own types are made of, in the versions that fit.
 pub use {glam, glow, image};
 
-pub use aov::{AovKind, Aovs};
-pub use bezier::{
-    DeCasteljau, Degree, Patch, SurfacePoint, bernstein, check_control_point, de_casteljau,
-    homogeneous,
-};
+// Scenes: what is drawn, and how.
+pub use bezier::{Degree, Patch, SurfacePoint};
 pub use camera::{Camera, Lens, ViewProjection};
-pub use error::{Cause, Error, Result};
-#[cfg(feature = "headless")]
-pub use headless::{Backend, Headless};
-pub use mesh::{
-    Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
-    SharedBorders, SmoothTriangle, Smoothing, smooth,
-};
-pub use renderer::{DrawnVertex, Frame, PreparedScene, PreparedSurface, Renderer};
+pub use mesh::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 pub use scene::{
     Cull, Image, Light, LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings,
     Samples, Scene, SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis,
     default_control_points, load_texture,
 };
-pub use surface::FreeFormSurface;
+pub use thesis::newton::Newton;
+pub use trim::{Circle, Ellipse, FillRule, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
+
+// Drawing, in any OpenGL context.
+pub use aov::{AovKind, Aovs};
+pub use gpu::{DebugLog, DriverInfo, FloatTarget, Framebuffer, Gl, Texture};
+#[cfg(feature = "headless")]
+pub use headless::{Backend, Headless, Offscreen};
+pub use prepared::PreparedScene;
+pub use renderer::{Frame, PreparedSurface, Renderer, Viewport};
 pub use tessellation::FrameStats;
-pub use trim::{
-    Circle, Ellipse, FillRule, Interval, Keep, Newton, NewtonTrims, Segment, TrimGrid, TrimLoop,
-    TrimPath, Trims, inside_loops, ray_crossings, winding_number,
-};
+pub use thesis::surface::FreeFormSurface;
+
+pub use error::{Cause, Error, Result};

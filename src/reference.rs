@@ -12,7 +12,6 @@ mod coverage;
 mod raster;
 mod sampler;
 mod shading;
-mod thesis;
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 
@@ -21,12 +20,13 @@ use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::{CONTROL_POINT_PX, Image, Method, RenderSettings, Scene, Surface};
 use crate::tessellation::{FixedParts, Parts};
-use crate::trim::{Newton, NewtonTrims, TrimGrid, Trims};
+use crate::thesis::newton::{Newton, NewtonTrims};
+use crate::trim::{TrimGrid, Trims};
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
+pub use crate::thesis::normal::thesis_normal;
 pub use coverage::{Cover, Coverage, coverage, has_gap_near};
-pub use thesis::thesis_normal;
 
 /// What a pixel shows.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -226,7 +226,7 @@ impl<'a> SurfaceView<'a> {
         })
     }
 
-    /// Whether the report's program draws it, as `renderer::programs::Pipeline::ported` decides.
+    /// Whether the report's program draws it, as `programs::Pipeline::ported` decides.
     fn is_report(&self) -> bool {
         self.method == Method::Thesis
             && self.surface.degree() == crate::bezier::Degree::Quartic

@@ -63,6 +63,20 @@ pub struct Scene {
     pub meshes: Vec<MeshModel>,
 }
 
+impl Default for Scene {
+    /// Nothing, framed with y upright, drawn by the exact method within half a pixel.
+    fn default() -> Self {
+        Self {
+            files: Vec::new(),
+            camera: None,
+            up: DVec3::Y,
+            settings: RenderSettings::default(),
+            surfaces: Vec::new(),
+            meshes: Vec::new(),
+        }
+    }
+}
+
 impl Scene {
     /// Reads a `.toml`, `.bpt` or `.obj` file.
     ///
@@ -148,14 +162,7 @@ impl Scene {
         surface.paint = Paint::Texture(Arc::new(texture::brick()));
         let hole = Circle::new(dvec2(0.5, 0.5), 0.2).expect("a fixed circle");
         surface.trims.circles.push(hole);
-        Self {
-            files: Vec::new(),
-            camera: None,
-            up: DVec3::Y,
-            settings: RenderSettings::default(),
-            surfaces: vec![surface],
-            meshes: Vec::new(),
-        }
+        Self { surfaces: vec![surface], ..Self::default() }
     }
 
     /// Surfaces and a mesh as they are, its normals interpolated: what the file says.
@@ -173,11 +180,8 @@ impl Scene {
     fn empty(path: &Path) -> Self {
         Self {
             files: vec![path.to_owned()],
-            camera: None,
-            up: DVec3::Y,
             settings: RenderSettings { light: Light::Camera, ..RenderSettings::default() },
-            surfaces: Vec::new(),
-            meshes: Vec::new(),
+            ..Self::default()
         }
     }
 

@@ -15,7 +15,7 @@ pub(crate) use bound::{Rounding, Screen};
 pub(crate) use edges::{EdgeSource, EdgeTable};
 pub use normal_cone::PatchKind;
 pub(crate) use normal_cone::{Eye, NormalCone};
-pub(crate) use parts::{DrawSize, FixedParts, Parts, TrimParts, parts_of_next_draw};
+pub(crate) use parts::{DrawSize, FixedParts, Parts, TrimParts, patches_of_next_draw};
 pub use plan::FrameStats;
 pub(crate) use plan::{Lists, Part, Plan, SurfacePatches, raise};
 pub(crate) use triangle::{TriangleBound, triangles_of_triangle, vertices_of_triangle};

@@ -1,13 +1,12 @@
 //! What is cut out of a surface, as plain data over its (u, v) domain.
 //!
-//! Circles, intervals and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
+//! Circles, rectangles and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
 //! inside a loop is an island that stays. Paths are filled each by a rule of its own.
 
 mod exact;
 mod fill;
 mod grid;
 mod inside;
-mod newton;
 mod path;
 mod pieces;
 mod shapes;
@@ -20,8 +19,6 @@ use glam::DVec2;
 pub use exact::TrimGrid;
 pub use fill::{FillRule, TrimPath};
 pub use inside::{inside_loops, ray_crossings, winding_number};
-pub(crate) use newton::holds;
-pub use newton::{Newton, NewtonTrims};
 #[cfg(feature = "svg")]
 pub(crate) use svg::read as read_svg;
 
@@ -98,14 +95,14 @@ impl Circle {
 
 /// Cuts the closed rectangle `u` × `v` (thesis, section 3.1.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
+pub struct Rect {
     /// First and last u.
     pub u: DVec2,
     /// First and last v.
     pub v: DVec2,
 }
 
-impl Interval {
+impl Rect {
     /// A rectangle in the domain.
     ///
     /// # Errors
@@ -301,8 +298,8 @@ pub enum Keep {
 pub struct Trims {
     /// Circles, cut while [`Trims::circles_on`].
     pub circles: Vec<Circle>,
-    /// Intervals, cut while [`Trims::intervals_on`].
-    pub intervals: Vec<Interval>,
+    /// Rectangles, cut while [`Trims::rects_on`].
+    pub rects: Vec<Rect>,
     /// Ellipses, cut while [`Trims::ellipses_on`].
     pub ellipses: Vec<Ellipse>,
     /// Loops, combined by even-odd while [`Trims::loops_on`].
@@ -314,8 +311,8 @@ pub struct Trims {
     pub keep: Keep,
     /// Switch of the circles.
     pub circles_on: bool,
-    /// Switch of the intervals.
-    pub intervals_on: bool,
+    /// Switch of the rectangles.
+    pub rects_on: bool,
     /// Switch of the ellipses.
     pub ellipses_on: bool,
     /// Switch of the loops and paths.
@@ -327,13 +324,13 @@ impl Default for Trims {
     fn default() -> Self {
         Self {
             circles: Vec::new(),
-            intervals: Vec::new(),
+            rects: Vec::new(),
             ellipses: Vec::new(),
             loops: Vec::new(),
             paths: Vec::new(),
             keep: Keep::Outside,
             circles_on: true,
-            intervals_on: true,
+            rects_on: true,
             ellipses_on: true,
             loops_on: true,
         }
@@ -376,8 +373,8 @@ impl Trims {
         for circle in &self.circles {
             Circle::new(circle.center, circle.radius)?;
         }
-        for interval in &self.intervals {
-            Interval::new(interval.u, interval.v)?;
+        for rect in &self.rects {
+            Rect::new(rect.u, rect.v)?;
         }
         for ellipse in &self.ellipses {
             Ellipse::new(ellipse.center, ellipse.radii)?;
@@ -385,11 +382,11 @@ impl Trims {
         Ok(())
     }
 
-    /// Whether a circle, interval or ellipse that is switched on cuts `uv`.
+    /// Whether a circle, rectangle or ellipse that is switched on cuts `uv`.
     #[must_use]
     pub fn shapes_cut(&self, uv: DVec2) -> bool {
         (self.circles_on && self.circles.iter().any(|circle| circle.cuts(uv)))
-            || (self.intervals_on && self.intervals.iter().any(|interval| interval.cuts(uv)))
+            || (self.rects_on && self.rects.iter().any(|rect| rect.cuts(uv)))
             || (self.ellipses_on && self.ellipses.iter().any(|ellipse| ellipse.cuts(uv)))
     }
 
@@ -410,7 +407,7 @@ mod tests {
     fn shapes_have_the_borders_of_the_listing() {
         let circle = Circle::new(dvec2(0.5, 0.5), 0.25).unwrap();
         assert!(circle.cuts(dvec2(0.5, 0.74)) && !circle.cuts(dvec2(0.5, 0.75)));
-        let interval = Interval::new(dvec2(0.25, 0.5), dvec2(0.25, 0.75)).unwrap();
+        let interval = Rect::new(dvec2(0.25, 0.5), dvec2(0.25, 0.75)).unwrap();
         assert!(interval.cuts(dvec2(0.25, 0.75)) && !interval.cuts(dvec2(0.51, 0.5)));
         let ellipse = Ellipse::new(dvec2(0.5, 0.5), dvec2(0.5, 0.25)).unwrap();
         assert!(ellipse.cuts(dvec2(1.0, 0.5)) && !ellipse.cuts(dvec2(0.5, 0.76)));
@@ -428,10 +425,10 @@ mod tests {
             ),
             (Circle::new(nan, 0.1).unwrap_err(), ["circle center", "NaN", "finite"]),
             (
-                Interval::new(dvec2(0.7, 0.2), DVec2::ZERO).unwrap_err(),
+                Rect::new(dvec2(0.7, 0.2), DVec2::ZERO).unwrap_err(),
                 ["interval u", "0.7", "first ≤ last"],
             ),
-            (Interval::new(DVec2::ZERO, nan).unwrap_err(), ["interval v", "NaN", "finite"]),
+            (Rect::new(DVec2::ZERO, nan).unwrap_err(), ["interval v", "NaN", "finite"]),
             (
                 Ellipse::new(DVec2::ZERO, dvec2(0.1, -1.0)).unwrap_err(),
                 ["ellipse radius along v", "-1", "0 or above"],

@@ -5,15 +5,15 @@ mod common;
 
 use std::time::Duration;
 
-use freeform_surface::gpu::{Framebuffer, Timer};
+use freeform_surface::inspect::Timer;
 use freeform_surface::{
-    Backend, Error, Frame, Headless, Method, PreparedScene, Renderer, Scene, TessLevel,
-    Tessellation,
+    Backend, Error, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Scene,
+    TessLevel, Tessellation, Viewport,
 };
-use glam::UVec2;
+use glam::{IVec2, UVec2};
 use glow::HasContext as _;
 
-use common::{Checked, backends, draw, render};
+use common::{Checked, assert_same, backends, draw, render};
 
 #[test]
 fn every_backend_gives_what_the_program_relies_on() {
@@ -81,8 +81,7 @@ fn a_scene_can_be_prepared_for_every_method_and_switched_between_them() {
         let mut prepared = PreparedScene::new(&renderer, &scenes[0]).unwrap();
         target.bind();
         for (scene, expected) in scenes.iter().zip(expected) {
-            let projection = scene.projection(size.x, size.y);
-            let frame = Frame { projection, settings: scene.settings };
+            let frame = Frame::of(scene, size);
             prepared.prepare(&renderer, &frame).unwrap();
             let _ = prepared.draw(&mut renderer, &frame).unwrap();
             assert!(target.read() == expected, "{:?}", scene.settings);
@@ -232,4 +231,35 @@ fn backends_have_names() {
         assert_eq!(name.parse::<Backend>().unwrap().to_string(), name);
     }
     assert!("vulkan".parse::<Backend>().unwrap_err().to_string().contains("osmesa"));
+}
+
+#[test]
+fn a_frame_is_drawn_in_its_viewport_whatever_the_context_has() {
+    let scene = Scene::listing16();
+    let size = UVec2::new(96, 64);
+    let origin = IVec2::new(18, 10);
+    for backend in backends() {
+        let context = Checked::new(backend);
+        let mut renderer = Renderer::new(context.gl()).unwrap();
+        let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
+        let mut drawn = |target: &Framebuffer, frame: &Frame, viewport: i32| {
+            target.bind();
+            // SAFETY: the context is current.
+            unsafe { context.gl().viewport(0, 0, viewport, viewport) };
+            let stats = prepared.draw(&mut renderer, frame).unwrap();
+            (stats, target.read())
+        };
+        let frame = Frame::of(&scene, size);
+        let own = Framebuffer::new(context.gl(), size.x, size.y).unwrap();
+        let (stats, expected) = drawn(&own, &frame, 7);
+        assert_eq!((stats, expected.clone()), drawn(&own, &frame, 1000), "{backend}");
+        // Beside its first pixel in a larger framebuffer it is the same picture.
+        let large = Framebuffer::new(context.gl(), 160, 120).unwrap();
+        let moved = Frame { viewport: Viewport { origin, size }, ..frame };
+        let (moved_stats, picture) = drawn(&large, &moved, 1000);
+        assert_eq!(moved_stats, stats);
+        let top = 120 - origin.y as u32 - size.y;
+        let part = image::imageops::crop_imm(&picture, origin.x as u32, top, size.x, size.y);
+        assert_same("viewport", &expected, &part.to_image(), &[], 1);
+    }
 }

@@ -3,11 +3,10 @@
 
 mod common;
 
-use freeform_surface::gpu::FloatTarget;
-use freeform_surface::measure::measure;
-use freeform_surface::reference::coverage;
+use freeform_surface::inspect::measure::measure;
+use freeform_surface::inspect::reference::coverage;
 use freeform_surface::{
-    Camera, Corner, CreaseAngle, Degree, Frame, Lens, Mesh, MeshModel, Method, Paint,
+    Camera, Corner, CreaseAngle, Degree, FloatTarget, Frame, Lens, Mesh, MeshModel, Method, Paint,
     PreparedScene, Renderer, Samples, Scene, Shading, Smoothing, Surface, TessLevel, Tessellation,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec3};
@@ -149,7 +148,7 @@ fn a_plate_close_to_the_eye_is_drawn_and_missed_where_it_is_not() {
             scene.surfaces[0].transform = half;
             plane(Drawer::Exact, far, 0.0, BLUE, &mut scene);
             let projection = scene.projection(SIZE.x, SIZE.y);
-            let frame = Frame { projection, settings: scene.settings };
+            let frame = Frame::of(&scene, SIZE);
             let reference = coverage(&scene, &projection, SIZE, method).unwrap();
             let mut drawn = |scene: &Scene| {
                 let mut prepared = PreparedScene::new(&renderer, scene).unwrap();

@@ -3,10 +3,11 @@
 
 mod common;
 
-use freeform_surface::gpu::{Buffer, DriverInfo, FloatTarget, Framebuffer};
+use freeform_surface::inspect::Buffer;
 use freeform_surface::{
-    Aovs, Camera, Corner, CreaseAngle, Degree, Error, Frame, Lens, Mesh, MeshModel, Method,
-    PreparedScene, Renderer, Scene, Smoothing, Surface, TessLevel, Tessellation,
+    Aovs, Camera, Corner, CreaseAngle, Degree, DriverInfo, Error, FloatTarget, Frame, Framebuffer,
+    Lens, Mesh, MeshModel, Method, PreparedScene, Renderer, Scene, Smoothing, Surface, TessLevel,
+    Tessellation,
 };
 use glam::{DVec2, DVec3, DVec4, UVec2, dvec2};
 use glow::HasContext as _;
@@ -36,7 +37,7 @@ fn draw(scene: &Scene, backend: freeform_surface::Backend) -> Aovs {
     let size = UVec2::splat((SIDE * PX) as u32);
     let mut renderer = Renderer::new(context.gl()).unwrap();
     let target = FloatTarget::for_aovs(&renderer, size.into()).unwrap();
-    let frame = Frame { projection: scene.projection(size.x, size.y), settings: scene.settings };
+    let frame = Frame::of(scene, (size.x, size.y));
     let mut prepared = PreparedScene::new(&renderer, scene).unwrap();
     prepared.aovs(&mut renderer, &target, &frame).unwrap()
 }

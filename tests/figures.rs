@@ -19,8 +19,8 @@
 
 mod common;
 
-use freeform_surface::reference::{self, Picture, Pixel, TrimDecision};
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::programs::Sources;
+use freeform_surface::inspect::reference::{self, Picture, Pixel, TrimDecision};
 use freeform_surface::{Backend, Image, Method, Newton, Paint, Scene};
 use glam::UVec2;
 

@@ -5,8 +5,8 @@ mod common;
 
 use std::num::NonZeroU32;
 
-use freeform_surface::gpu::Program;
-use freeform_surface::renderer::programs::{
+use freeform_surface::inspect::Program;
+use freeform_surface::inspect::programs::{
     CONTROL_POINTS_UNIT, Output, PatchKind, Pipeline, ProgramKey, SURFACES_UNIT, Sources,
     TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
 };

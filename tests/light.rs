@@ -4,7 +4,8 @@ mod common;
 
 use std::path::Path;
 
-use freeform_surface::{Image, Light, Method, Scene, TessLevel, Tessellation, reference};
+use freeform_surface::inspect::reference;
+use freeform_surface::{Image, Light, Method, Scene, TessLevel, Tessellation};
 use glam::{DMat4, DVec3, UVec2, dvec3};
 
 use common::{assert_same, backends, load, render, root};

@@ -8,8 +8,9 @@ mod common;
 use std::num::NonZeroU32;
 use std::rc::Rc;
 
-use freeform_surface::gpu::{self, Framebuffer, Texture};
-use freeform_surface::{Frame, FreeFormSurface, Image, Renderer, Scene, TessLevel, Tessellation};
+use freeform_surface::{
+    Frame, Framebuffer, FreeFormSurface, Image, Renderer, Scene, TessLevel, Tessellation, Texture,
+};
 use glam::dvec2;
 use glow::HasContext as _;
 
@@ -53,7 +54,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
         let scene = Scene::listing16();
         let mut settings = scene.settings;
         settings.tessellation = Tessellation::Level(TessLevel::new(2).unwrap());
-        let frame = Frame { projection: scene.projection(16, 16), settings };
+        let frame = Frame::new(scene.projection(16, 16), (16, 16), settings);
         target.bind();
         let mut round = || {
             let mut surface = FreeFormSurface::new(&renderer).unwrap();
@@ -68,7 +69,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
             surface.set_bezier_curve_trimming(a, b, c, d).unwrap();
             let _ = surface.render(&mut renderer, &frame).unwrap();
             // A software driver collects commands, and memory with them, until someone waits.
-            gpu::finish(gl);
+            gl.finish();
         };
         round();
         let objects_before = objects(gl);

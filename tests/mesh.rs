@@ -5,10 +5,8 @@ mod shapes;
 
 use std::collections::{HashMap, HashSet};
 
-use freeform_surface::{
-    Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
-    Smoothing, smooth,
-};
+use freeform_surface::inspect::{CurvedTriangle, HalfedgeMesh, PhongTriangle, PnTriangle};
+use freeform_surface::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 use glam::{DVec3, dvec3};
 use shapes::{faces, grid, icosahedron, sphere, torus};
 

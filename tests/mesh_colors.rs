@@ -5,9 +5,10 @@ mod common;
 use std::path::Path;
 use std::sync::Arc;
 
+use freeform_surface::inspect::reference;
 use freeform_surface::{
     Camera, CreaseAngle, Degree, Image, Lens, Material, Mesh, MeshModel, Method, Paint, Scene,
-    Shading, Smoothing, Surface, TessLevel, Tessellation, reference,
+    Shading, Smoothing, Surface, TessLevel, Tessellation,
 };
 use glam::{DVec3, UVec2, dvec2, dvec3};
 

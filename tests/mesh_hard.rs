@@ -4,10 +4,8 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use freeform_surface::{
-    Alpha, Corner, CreaseAngle, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle,
-    Smoothing, smooth,
-};
+use freeform_surface::inspect::{CurvedTriangle, HalfedgeMesh, PhongTriangle, PnTriangle};
+use freeform_surface::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 use glam::DVec3;
 
 fn file(name: &str) -> PathBuf {

@@ -7,9 +7,9 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use freeform_surface::gpu::Framebuffer;
 use freeform_surface::{
-    Corner, CreaseAngle, Mesh, MeshModel, PreparedScene, Renderer, Scene, Smoothing, smooth,
+    Corner, CreaseAngle, Framebuffer, Mesh, MeshModel, PreparedScene, Renderer, Scene, Smoothing,
+    smooth,
 };
 use glam::{DMat3, DVec3, dvec3};
 

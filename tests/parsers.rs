@@ -6,7 +6,8 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use freeform_surface::{CreaseAngle, Degree, Mesh, Scene, TrimGrid, TrimLoop, Trims};
+use freeform_surface::inspect::TrimGrid;
+use freeform_surface::{CreaseAngle, Degree, Mesh, Scene, TrimLoop, Trims};
 use glam::vec2;
 use proptest::prelude::*;
 

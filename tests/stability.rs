@@ -8,10 +8,8 @@
 
 mod common;
 
-use freeform_surface::gpu::Framebuffer;
-use freeform_surface::{
-    Frame, Newton, NewtonTrims, PreparedScene, Renderer, Scene, TrimGrid, Trims,
-};
+use freeform_surface::inspect::{NewtonTrims, TrimGrid};
+use freeform_surface::{Frame, Framebuffer, Newton, PreparedScene, Renderer, Scene, Trims};
 use glam::dvec2;
 
 use common::oracle::{Row, centers, count_wrong, count_wrong_of_grid};
@@ -38,7 +36,7 @@ fn cut_by_gpu(scene: &Scene) -> Vec<bool> {
     let target = Framebuffer::new(context.gl(), SIDE, SIDE).unwrap();
     let mut renderer = Renderer::new(context.gl()).unwrap();
     let mut prepared = PreparedScene::new(&renderer, scene).unwrap();
-    let frame = Frame { projection: scene.projection(SIDE, SIDE), settings: scene.settings };
+    let frame = Frame::of(scene, (SIDE, SIDE));
     target.bind();
     let _ = prepared.draw(&mut renderer, &frame).unwrap();
     let row = 4 * SIDE as usize;

@@ -8,10 +8,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::{CString, c_void};
 use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 
-use freeform_surface::gpu::{Framebuffer, Gl};
+use freeform_surface::inspect::TrimGrid;
 use freeform_surface::{
-    CreaseAngle, Frame, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment, Smoothing,
-    TessLevel, Tessellation, Tolerance, TrimGrid, TrimLoop,
+    CreaseAngle, Frame, Framebuffer, Gl, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment,
+    Smoothing, TessLevel, Tessellation, Tolerance, TrimLoop,
 };
 use glam::{DMat4, DVec2, DVec4, dvec2, dvec3};
 
@@ -126,7 +126,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     let target = Framebuffer::new(&gl, 64, 64).unwrap();
     let mut renderer = Renderer::new(&gl).unwrap();
     let mut prepared = PreparedScene::new(&renderer, &scene).unwrap();
-    let frame = Frame { projection: scene.projection(64, 64), settings: scene.settings };
+    let frame = Frame::of(&scene, (64, 64));
     target.bind();
     let mut draw = |prepared: &mut PreparedScene| {
         let before = [&ALLOCATIONS, &UPLOADS].map(|count| count.load(Relaxed));
@@ -163,7 +163,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     // own, and nothing of the others.
     let mut teapot = load(&root().join("resources/scenes/gallery/teapot.toml"));
     teapot.settings.tessellation = Tessellation::Within(Tolerance::new(0.5).unwrap());
-    let frame = Frame { projection: teapot.projection(1920, 1080), settings: teapot.settings };
+    let frame = Frame::of(&teapot, (64, 64));
     let mut pulled = PreparedScene::new(&renderer, &teapot).unwrap();
     let _ = pulled.draw(&mut renderer, &frame).unwrap();
     let mut most = 0;
@@ -181,7 +181,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     let mut scene = Scene::listing16();
     scene.settings.tessellation = Tessellation::Within(Tolerance::new(0.1).unwrap());
     let mut pulled = PreparedScene::new(&renderer, &scene).unwrap();
-    let frame = Frame { projection: scene.projection(1920, 1080), settings: scene.settings };
+    let frame = Frame::of(&scene, (64, 64));
     let mut triangles = |pulled: &mut PreparedScene| {
         let _ = pulled.draw(&mut renderer, &frame).unwrap();
         pulled.stats().triangles

@@ -4,12 +4,11 @@ mod common;
 
 use std::rc::Rc;
 
-use freeform_surface::gpu::{Framebuffer, Texture};
-use freeform_surface::reference;
+use freeform_surface::inspect::reference;
 use freeform_surface::{
-    Backend, Circle, Degree, Ellipse, Frame, FreeFormSurface, Image, Interval, Method,
-    PreparedScene, RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel,
-    Tessellation, TrimLoop,
+    Backend, Circle, Degree, Ellipse, Frame, Framebuffer, FreeFormSurface, Image, Method,
+    PreparedScene, Rect, RenderSettings, Renderer, Scene, Segment, Shading, Surface, TessLevel,
+    Tessellation, Texture, TrimLoop,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 
@@ -46,7 +45,7 @@ impl Stage {
         Self {
             target,
             renderer,
-            frame: Frame { projection: scene.projection(SIZE.x, SIZE.y), settings },
+            frame: Frame::new(scene.projection(SIZE.x, SIZE.y), (SIZE.x, SIZE.y), settings),
             _context: context,
         }
     }
@@ -157,8 +156,8 @@ fn many_trims_cut_at_once(method: Method) {
     for i in 0..8 {
         let u = 0.08 + 0.12 * f64::from(i);
         surface.add_circle(Circle::new(dvec2(u, 0.1), 0.04).unwrap()).unwrap();
-        let interval = Interval::new(dvec2(u - 0.03, u + 0.03), dvec2(0.2, 0.3)).unwrap();
-        surface.add_interval(interval).unwrap();
+        let interval = Rect::new(dvec2(u - 0.03, u + 0.03), dvec2(0.2, 0.3)).unwrap();
+        surface.add_rect(interval).unwrap();
         surface.add_ellipse(Ellipse::new(dvec2(u, 0.4), dvec2(0.02, 0.06)).unwrap()).unwrap();
     }
     let mut compare = |name: &str, surface: &mut FreeFormSurface| {

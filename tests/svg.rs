@@ -1,6 +1,7 @@
 //! SVG paths and documents as trims, against the pictures that resvg makes of them.
 
-use freeform_surface::{FillRule, Scene, Segment, TrimGrid, TrimLoop, TrimPath, Trims};
+use freeform_surface::inspect::TrimGrid;
+use freeform_surface::{FillRule, Scene, Segment, TrimLoop, TrimPath, Trims};
 use glam::vec2;
 use proptest::prelude::*;
 use resvg::tiny_skia::{Pixmap, Transform};

@@ -5,11 +5,10 @@ mod common;
 
 use std::path::PathBuf;
 
-use freeform_surface::measure::{Measurement, measure, random_view};
-use freeform_surface::reference::coverage;
-use freeform_surface::{
-    AovKind, Degree, DrawnVertex, Frame, Method, Patch, PreparedScene, Scene, Surface,
-};
+use freeform_surface::inspect::DrawnVertex;
+use freeform_surface::inspect::measure::{Measurement, measure, random_view};
+use freeform_surface::inspect::reference::coverage;
+use freeform_surface::{AovKind, Degree, Frame, Method, Patch, PreparedScene, Scene, Surface};
 use glam::{DMat3, DVec3, DVec4, uvec2};
 
 use common::tess::{Random, Stage, at_level, is_long, scene_of, turned, within};
@@ -114,7 +113,7 @@ fn check_normals(
         count.pixels += usize::from(check(uv[2] as usize, [uv[0], uv[1]], DVec3::new(x, y, z)));
     }
     // The vertices' normals are Sv × Su in view space.
-    let to_world = DMat3::from_mat4(frame.projection.view).transpose();
+    let to_world = DMat3::from_mat4(frame.camera.view).transpose();
     let normal_of =
         |vertex: &DrawnVertex| to_world * -DVec3::from_array(vertex.normal.map(f64::from));
     let drawn = stage.triangles(prepared, &frame);
@@ -219,7 +218,7 @@ fn normals_just_short_of_where_they_vanish() {
         let surface = Surface::new(Degree::Cubic, net.clone()).unwrap();
         let scene = Scene { settings: at_level(8), ..scene_of(vec![surface]) };
         let frame = stage.frame(&scene);
-        let to_world = DMat3::from_mat4(frame.projection.view).transpose();
+        let to_world = DMat3::from_mat4(frame.camera.view).transpose();
         let patch = Patch::new(Degree::Cubic, &net);
         let mut short = 0;
         for vertex in stage.triangles(&mut stage.prepared(&scene), &frame) {
@@ -265,7 +264,7 @@ fn every_scene_is_within_its_tolerance_from_everywhere() {
             let projection = stage.projection(&scene);
             let reference = coverage(&scene, &projection, stage.size, Method::Exact).unwrap();
             for &tolerance in tolerances {
-                let frame = Frame { projection, settings: within(tolerance) };
+                let frame = Frame::new(projection, stage.size, within(tolerance));
                 let aovs = stage.aovs(&mut prepared, &frame);
                 all += 1;
                 if prepared.stats().unmet.is_some() {

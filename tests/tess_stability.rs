@@ -4,7 +4,7 @@
 
 mod common;
 
-use freeform_surface::measure::Measurement;
+use freeform_surface::inspect::measure::Measurement;
 use freeform_surface::{Frame, FrameStats, Method, Scene};
 use glam::uvec2;
 
@@ -50,7 +50,7 @@ fn draw(scene: &Scene, method: Method) -> (Measurement, FrameStats) {
     let mut prepared = stage.prepared(scene);
     let mut settings = within(0.5);
     settings.method = method;
-    let frame = Frame { projection: stage.projection(scene), settings };
+    let frame = Frame::new(stage.projection(scene), stage.size, settings);
     (stage.measured(scene, &mut prepared, &frame), prepared.stats())
 }
 

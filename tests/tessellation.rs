@@ -5,10 +5,9 @@ mod common;
 
 use std::collections::{BTreeSet, HashMap};
 
-use freeform_surface::measure::random_view;
-use freeform_surface::{
-    Camera, Circle, Cull, Degree, DrawnVertex, Frame, Image, Lens, Patch, Scene, Surface,
-};
+use freeform_surface::inspect::DrawnVertex;
+use freeform_surface::inspect::measure::random_view;
+use freeform_surface::{Camera, Circle, Cull, Degree, Frame, Image, Lens, Patch, Scene, Surface};
 use glam::{DMat4, DVec2, DVec3, DVec4, dvec2, dvec3, uvec2};
 
 use common::tess::{
@@ -393,7 +392,7 @@ fn patches_out_of_sight_are_culled_and_not_missed() {
         let camera = Camera::new(eye, target, DVec3::Z, lens).unwrap();
         let scene = Scene { camera: Some(camera), ..whole.clone() };
         let frame = stage.frame(&scene);
-        let to_clip = frame.projection.projection * frame.projection.view;
+        let to_clip = frame.camera.projection * frame.camera.view;
         let patches = scene.surfaces[0].control_points().chunks_exact(16);
         let seen: Vec<&[DVec4]> =
             patches.clone().filter(|patch| !is_outside(patch, to_clip)).collect();

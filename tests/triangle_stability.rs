@@ -63,7 +63,7 @@ fn holds(name: &str, open: usize) {
                 assert_eq!(cracks(&picture, &pieces, &frame, stage.size), 0, "{name}");
                 near_enough += 1;
             }
-            let from_view = frame.projection.view.inverse();
+            let from_view = frame.camera.view.inverse();
             for vertex in &drawn {
                 let all = [&vertex.clip[..], &vertex.position, &vertex.normal, &vertex.uv].concat();
                 assert!(all.iter().all(|value| value.is_finite()), "{name}: {vertex:?}");

@@ -3,7 +3,7 @@
 
 mod common;
 
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::programs::Sources;
 use freeform_surface::{
     Alpha, Camera, CreaseAngle, Frame, Image, Lens, Mesh, Paint, Scene, Shading, Smoothing,
     TessLevel,
@@ -46,7 +46,7 @@ fn check_vertices(name: &str, stage: &mut Stage, scene: &Scene) -> usize {
     let mut prepared = stage.prepared(scene);
     let frame = stage.frame(scene);
     let drawn = stage.triangles(&mut prepared, &frame);
-    let (to_clip, view) = (to_clip(&frame), frame.projection.view);
+    let (to_clip, view) = (to_clip(&frame), frame.camera.view);
     for vertex in &drawn {
         let (piece, place) = (&pieces[vertex.patch as usize], weights(vertex));
         let point = piece.point(place);
@@ -270,7 +270,7 @@ fn meshes_and_surfaces_share_a_scene() {
     assert!((0..32 + 256).all(|patch| numbers.clone().any(|number| number == patch)));
     // Numbers of pixels count through surfaces and meshes, and say which side is outside.
     let aovs = stage.aovs(&mut prepared, &frame);
-    let eye = frame.projection.view.inverse().w_axis.truncate();
+    let eye = frame.camera.view.inverse().w_axis.truncate();
     let mut pixels = 0;
     for ((uv, normal), position) in aovs.uv.iter().zip(&aovs.normal).zip(&aovs.position) {
         if uv[3] == 0.0 || uv[2] < 32.0 {

@@ -4,11 +4,11 @@
 
 mod common;
 
-use freeform_surface::gpu::{Framebuffer, Gl};
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::TrimGrid;
+use freeform_surface::inspect::programs::Sources;
 use freeform_surface::{
-    Circle, FillRule, Frame, Keep, PreparedScene, Renderer, Samples, Scene, Segment, Shading,
-    TessLevel, Tessellation, TrimGrid, TrimLoop, TrimPath, Trims,
+    Circle, FillRule, Frame, Framebuffer, Gl, Keep, PreparedScene, Renderer, Samples, Scene,
+    Segment, Shading, TessLevel, Tessellation, TrimLoop, TrimPath, Trims,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec2, dvec2, vec2};
 use glow::{HasContext, PixelPackData};
@@ -28,7 +28,7 @@ fn flat(trims: Trims) -> Scene {
 }
 
 fn frame(scene: &Scene, side: u32) -> Frame {
-    Frame { projection: scene.projection(side, side), settings: scene.settings }
+    Frame::of(scene, (side, side))
 }
 
 /// Numbers that look random, the same ones in every run (xorshift64*).

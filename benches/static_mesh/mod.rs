@@ -3,9 +3,8 @@
 
 use std::collections::HashMap;
 
-use freeform_surface::gpu::Gl;
-use freeform_surface::renderer::{StaticMesh, StaticVertex};
-use freeform_surface::{Mesh, Patch, Scene};
+use freeform_surface::inspect::{StaticMesh, StaticVertex};
+use freeform_surface::{Gl, Mesh, Patch, Scene};
 use glam::DVec3;
 
 /// The triangles of a scene's one surface at its level, in world space, its normals by `normal`.

@@ -1,7 +1,7 @@
 //! How the benches measure: in turns and by medians, because machines are noisy.
 #![allow(unreachable_pub, reason = "every bench is a crate that uses this")]
 
-use freeform_surface::measure;
+use freeform_surface::inspect::measure;
 
 const TURNS: usize = 15;
 

@@ -1,4 +1,4 @@
-// Listings 3 to 6: the double de Casteljau algorithm. Keep in step with src/reference/thesis.rs.
+// Listings 3 to 6: the double de Casteljau algorithm. Keep in step with src/thesis/normal.rs.
 //
 //  v    12 13 14 15     Rows run along u. The first pass blends each row at u, the second
 //  ^     8  9 10 11     the four results at v.

@@ -1,5 +1,5 @@
 // Listings 7 to 12: what is cut out of the domain. Keep in step with src/trim.rs (shapes) and
-// src/trim/newton.rs (loops).
+// src/thesis/newton.rs (loops).
 //
 // A switch of the thesis holds 0 (off) or the number of trims of its kind. The first circle,
 // interval and ellipse are in the uniforms of listing 13, more of them in the buffer at binding 2.

@@ -4,14 +4,13 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
-use freeform_surface::gpu::FloatTarget;
-use freeform_surface::measure::measure;
-use freeform_surface::reference::coverage;
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::measure::measure;
+use freeform_surface::inspect::programs::Sources;
+use freeform_surface::inspect::reference::coverage;
 use freeform_surface::{
-    Aovs, Camera, Circle, Corner, CreaseAngle, Degree, Ellipse, Error, Frame, Headless, Interval,
-    Lens, Mesh, MeshModel, Method, Normals, PreparedScene, Renderer, Result, Scene, Smoothing,
-    Surface, TessLevel, Tessellation, TrimLoop,
+    Aovs, Camera, Circle, Corner, CreaseAngle, Degree, Ellipse, Error, FloatTarget, Frame,
+    Headless, Lens, Mesh, MeshModel, Method, Normals, PreparedScene, Rect, Renderer, Result, Scene,
+    Smoothing, Surface, TessLevel, Tessellation, TrimLoop,
 };
 use glam::{DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 
@@ -69,7 +68,7 @@ pub(super) fn run(context: &Headless, sources: Sources) -> Result<Checked> {
 
 fn draw(renderer: &mut Renderer, scene: &Scene) -> Result<Aovs> {
     let target = FloatTarget::for_aovs(renderer, SIZE.into())?;
-    let frame = Frame { projection: scene.projection(SIZE.x, SIZE.y), settings: scene.settings };
+    let frame = Frame::of(scene, SIZE);
     PreparedScene::new(renderer, scene)?.aovs(renderer, &target, &frame)
 }
 
@@ -158,7 +157,7 @@ fn square() -> Scene {
     let mut surface = Surface::new(Degree::Cubic, points).expect("a patch");
     let trims = &mut surface.trims;
     trims.circles.extend(Circle::new(dvec2(0.21, 0.77), 0.153));
-    trims.intervals.extend(Interval::new(dvec2(0.613, 0.907), dvec2(0.711, 0.873)));
+    trims.rects.extend(Rect::new(dvec2(0.613, 0.907), dvec2(0.711, 0.873)));
     trims.ellipses.extend(Ellipse::new(dvec2(0.307, 0.247), dvec2(0.217, 0.113)));
     let path = "M.61 .13 C.93 .11 .97 .29 .83 .41 Q.67 .57 .57 .37 Z M.71 .23 h.11 v.12 h-.11 z";
     trims.loops = TrimLoop::from_svg_path(path).expect("closed loops");

@@ -2,8 +2,8 @@
 
 use super::check;
 use crate::io::say;
-use freeform_surface::gpu::Need;
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::Need;
+use freeform_surface::inspect::programs::Sources;
 use freeform_surface::{Backend, Headless, Result};
 
 /// Prints the driver that the backend gives.

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
-use freeform_surface::measure::{Measurement, measure, random_view};
+use freeform_surface::inspect::measure::{Measurement, measure, random_view};
+use freeform_surface::inspect::reference;
 use freeform_surface::{
-    Error, Frame, Headless, Method, PreparedScene, Renderer, Result, Scene, Tessellation, reference,
+    Error, FloatTarget, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Result,
+    Scene, Tessellation,
 };
 use glam::UVec2;
 use indicatif::ProgressBar;
@@ -147,18 +148,17 @@ impl<'a> Bench<'a> {
         prepared: &mut PreparedScene,
     ) -> Result<(Measurement, u64, f64, Option<f64>)> {
         let (width, height) = self.arguments.resolution;
-        let projection = scene.projection(width, height);
-        let frame = Frame { projection, settings: scene.settings };
+        let frame = Frame::of(scene, (width, height));
         let aovs = prepared.aovs(&mut self.renderer, &self.numbers, &frame)?;
         let size = UVec2::new(width, height);
-        let coverage = reference::coverage(scene, &projection, size, scene.settings.method)?;
-        let measurement = measure(scene, &projection, &aovs, &coverage);
+        let coverage = reference::coverage(scene, &frame.camera, size, scene.settings.method)?;
+        let measurement = measure(scene, &frame.camera, &aovs, &coverage);
         self.picture.bind();
         let mut times = [Duration::ZERO; FRAMES];
         for time in &mut times {
             let start = Instant::now();
             let _ = prepared.draw(&mut self.renderer, &frame)?;
-            gpu::finish(self.context.gl());
+            self.context.gl().finish();
             *time = start.elapsed();
         }
         times.sort_unstable();

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use freeform_surface::gpu::{self, FloatTarget, Framebuffer};
 use freeform_surface::{
-    Backend, Error, Frame, FrameStats, Headless, Image, PreparedScene, Renderer, Result, Samples,
-    Scene, Tessellation,
+    Backend, Error, FloatTarget, Frame, FrameStats, Headless, Image, Offscreen, PreparedScene,
+    Result, Scene, Tessellation,
 };
+
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::RenderArguments;
@@ -91,20 +91,16 @@ struct Times {
     frame: Duration,
     picture: Duration,
     write: Duration,
-    figures: FrameStats,
+    stats: FrameStats,
 }
 
-/// A context and a target that one scene after the other is drawn into.
+/// What one scene after the other is drawn with.
 pub(super) struct Job {
-    target: Framebuffer,
-    renderer: Renderer,
-    context: Headless,
+    offscreen: Offscreen,
     start_up: Duration,
     set_up: Duration,
     load: Duration,
     verbose: bool,
-    /// What the target is made for.
-    samples: Samples,
 }
 
 impl Job {
@@ -113,23 +109,14 @@ impl Job {
         let context = Headless::new(backend)?;
         let start_up = start.elapsed();
         let start = Instant::now();
-        let target = Framebuffer::new(context.gl(), width, height)?;
-        let renderer = Renderer::new(context.gl())?;
-        Ok(Self {
-            target,
-            renderer,
-            context,
-            start_up,
-            set_up: start.elapsed(),
-            load: Duration::ZERO,
-            verbose: false,
-            samples: Samples::default(),
-        })
+        let offscreen = Offscreen::in_context(context, width, height)?;
+        let set_up = start.elapsed();
+        Ok(Self { offscreen, start_up, set_up, load: Duration::ZERO, verbose: false })
     }
 
     /// Renderer and version of the driver.
     pub(super) fn driver(&self) -> String {
-        self.context.info().to_string()
+        self.offscreen.context().info().to_string()
     }
 
     /// Draws a scene and writes its picture.
@@ -145,7 +132,7 @@ impl Job {
         output.write(&image)?;
         times.write = start.elapsed();
         if let (Some(error), Tessellation::Within(tolerance)) =
-            (times.figures.unmet, scene.settings.tessellation)
+            (times.stats.unmet, scene.settings.tessellation)
         {
             let wanted = tolerance.pixels();
             bar.suspend(|| {
@@ -163,68 +150,48 @@ impl Job {
         if files.is_empty() {
             return Ok(());
         }
-        let (width, height) = self.target.size();
-        let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
-        let target = FloatTarget::for_aovs(&self.renderer, (width, height))?;
-        let aovs =
-            PreparedScene::new(&self.renderer, scene)?.aovs(&mut self.renderer, &target, &frame)?;
-        let complaints = self.context.debug_log().take_errors();
-        if !complaints.is_empty() {
-            let what = format!("numbers for {width}x{height} pixels");
-            return Err(Error::Driver { what, reason: complaints.join("; ") });
-        }
+        let (width, height) = self.offscreen.target().size();
+        let frame = Frame::of(scene, (width, height));
+        let renderer = self.offscreen.renderer_mut();
+        let target = FloatTarget::for_aovs(renderer, (width, height))?;
+        let aovs = PreparedScene::new(renderer, scene)?.aovs(renderer, &target, &frame)?;
+        self.offscreen.check_complaints(|| format!("AOVs of {width}x{height} pixels"))?;
         files.iter().try_for_each(|file| file.write(&aovs))
     }
 
     /// How often a scene is drawn for its picture.
     fn drawings(&self, scene: &Scene) -> u64 {
         let samples = scene.settings.samples.get();
-        let most = u32::try_from(self.context.info().max_samples).unwrap_or(0);
+        let most = u32::try_from(self.offscreen.context().info().max_samples).unwrap_or(0);
         if samples <= most { 1 } else { samples.into() }
     }
 
     fn draw(&mut self, scene: &Scene, times: &mut Times, bar: &ProgressBar) -> Result<Image> {
         let start = Instant::now();
-        let (width, height) = self.target.size();
-        let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
-        let gl = self.context.gl();
-        // What an earlier picture left behind is not this one's fault.
-        let _ = self.context.debug_log().take_errors();
-        let samples = frame.settings.samples;
-        if self.samples != samples {
-            self.target = Framebuffer::for_samples(gl, (width, height), samples)?;
-            self.samples = samples;
-        }
-        let mut prepared = PreparedScene::new(&self.renderer, scene)?;
-        gpu::finish(gl);
+        let frame = Frame::of(scene, self.offscreen.target().size());
+        self.offscreen.take_samples(frame.settings.samples)?;
+        let mut prepared = PreparedScene::new(self.offscreen.renderer(), scene)?;
+        self.offscreen.context().gl().finish();
         times.upload = start.elapsed();
 
         if self.verbose {
-            self.target.bind();
+            self.offscreen.target().bind();
             for time in [&mut times.first_frame, &mut times.frame] {
                 let start = Instant::now();
-                let _ = prepared.draw(&mut self.renderer, &frame)?;
-                gpu::finish(gl);
+                let _ = prepared.draw(self.offscreen.renderer_mut(), &frame)?;
+                self.offscreen.context().gl().finish();
                 *time = start.elapsed();
             }
         }
         let start = Instant::now();
-        let image =
-            prepared.picture(&mut self.renderer, &self.target, &frame, |_, _| bar.inc(1))?;
+        let image = self.offscreen.picture(&mut prepared, &frame, |_, _| bar.inc(1))?;
         times.picture = start.elapsed();
-        times.figures = prepared.stats();
-        let complaints = self.context.debug_log().take_errors();
-        if !complaints.is_empty() {
-            return Err(Error::Driver {
-                what: format!("a picture of {width}x{height} pixels"),
-                reason: complaints.join("; "),
-            });
-        }
+        times.stats = prepared.stats();
         Ok(image)
     }
 
     fn print(&self, times: &Times) {
-        let FrameStats { patches, culled, triangles, draws, largest_bound, .. } = times.figures;
+        let FrameStats { patches, culled, triangles, draws, largest_bound, .. } = times.stats;
         let compilation = times.first_frame.saturating_sub(times.frame);
         let own = self.set_up + times.load + times.upload + times.picture + times.write;
         eprintln!("{}", self.driver());

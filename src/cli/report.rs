@@ -19,7 +19,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::programs::Sources;
 use freeform_surface::{Backend, Cause, Error, Headless, Image, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 

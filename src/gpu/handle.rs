@@ -5,6 +5,8 @@ use std::ops::Deref;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use glow::HasContext;
+
 /// An OpenGL context, in the hands of everything that is made with it.
 ///
 /// It stays on its thread, and with it what holds it. A context of `Headless` lives as long as
@@ -36,6 +38,13 @@ impl Gl {
     #[cfg(feature = "headless")]
     pub(crate) fn owned(functions: glow::Context, owner: Rc<dyn Any>) -> Self {
         Self { functions: functions.into(), _owner: Some(owner) }
+    }
+
+    /// Waits until the driver has done everything that it was told.
+    #[allow(unsafe_code, reason = "calls of OpenGL are unsafe in glow")]
+    pub fn finish(&self) {
+        // SAFETY: the context is current (see `new`).
+        unsafe { self.functions.finish() }
     }
 
     /// The functions, as other crates take them.

@@ -15,7 +15,8 @@ use super::raster::owns;
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::{Method, Scene};
-use crate::trim::{Newton, TrimGrid, Trims};
+use crate::thesis::newton::Newton;
+use crate::trim::{TrimGrid, Trims};
 use part::Part;
 use rows::TrimRows;
 
@@ -171,7 +172,7 @@ enum Cut<'a> {
 
 impl<'a> Cut<'a> {
     fn new(trims: &'a Trims, newton: Newton, method: Method) -> Result<Self> {
-        let shapes = trims.circles.len() + trims.intervals.len() + trims.ellipses.len();
+        let shapes = trims.circles.len() + trims.rects.len() + trims.ellipses.len();
         Ok(if shapes == 0 && !trims.has_loops() {
             Self::Nothing
         } else if method == Method::Thesis {
@@ -476,8 +477,8 @@ mod tests {
     fn a_square_and_what_is_near_its_border() {
         let mut surface = plane(DVec2::ZERO, DVec2::ONE);
         // A slot between two columns of centres: only the pixels beside it know.
-        let slot = crate::trim::Interval::new(dvec2(0.499, 0.501), dvec2(0.0, 1.0)).unwrap();
-        surface.trims.intervals.push(slot);
+        let slot = crate::trim::Rect::new(dvec2(0.499, 0.501), dvec2(0.0, 1.0)).unwrap();
+        surface.trims.rects.push(slot);
         let middle = dvec3(0.5, 0.5, 0.0);
         let lens = Lens::Orthographic { height: 2.0 };
         let scene = scene(surface, middle + DVec3::Z, middle, DVec3::Y, lens);

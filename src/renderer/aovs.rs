@@ -1,7 +1,6 @@
-//! Scenes as numbers instead of colours.
+//! Targets for AOVs: floating-point images that `common/aov.frag` fills.
 
-use super::programs::Output;
-use super::{Frame, PreparedScene, Renderer};
+use super::Renderer;
 use crate::aov::Aovs;
 use crate::error::Result;
 use crate::gpu::FloatTarget;
@@ -10,7 +9,7 @@ use crate::gpu::FloatTarget;
 const PICTURES: u32 = 3;
 
 impl FloatTarget {
-    /// A target for [`PreparedScene::aovs`].
+    /// A target for `PreparedScene::aovs`.
     ///
     /// # Errors
     /// As [`FloatTarget::new`].
@@ -19,31 +18,12 @@ impl FloatTarget {
     }
 
     /// What `common/aov.frag` has left in such a target.
-    pub(super) fn aovs(&self) -> Aovs {
+    pub(crate) fn aovs(&self) -> Aovs {
         let (uv, position, both) = (self.read(0), self.read(1), self.read(2));
         // What is drawn has 1 in the first picture's alpha.
         let drawn = |i: usize| uv[i][3];
         let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
         let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);
         Aovs { size: self.size(), normal: normal.collect(), depth: depth.collect(), uv, position }
-    }
-}
-
-impl PreparedScene {
-    /// What each pixel of a frame shows, at its centre. Lines and control points are not drawn.
-    ///
-    /// # Errors
-    /// As [`PreparedScene::draw`].
-    pub fn aovs(
-        &mut self,
-        renderer: &mut Renderer,
-        target: &FloatTarget,
-        frame: &Frame,
-    ) -> Result<Aovs> {
-        let mut frame = *frame;
-        frame.settings.wireframe = false;
-        target.bind_cleared();
-        self.draw_together(renderer, &frame, Output::Aovs)?;
-        Ok(target.aovs())
     }
 }

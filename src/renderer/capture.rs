@@ -4,11 +4,8 @@
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
-use super::programs::Output;
-use super::{Frame, PreparedScene, Renderer};
 use crate::error::Result;
-use crate::gpu::{Buffer, Gl, Target};
-use crate::scene::{Method, Normals};
+use crate::gpu::{Buffer, Gl};
 
 /// A corner of a triangle that the exact method draws.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -24,39 +21,6 @@ pub struct DrawnVertex {
     pub uv: [f32; 2],
     /// The patch's number in the scene.
     pub patch: u32,
-}
-
-impl PreparedScene {
-    /// The corners of all triangles that a frame of the exact method draws, three for each, for a
-    /// viewport like the present one. Trims cut none of them; triangles without area are among them.
-    ///
-    /// # Errors
-    /// As [`PreparedScene::draw`].
-    pub fn triangles(
-        &mut self,
-        renderer: &mut Renderer,
-        frame: &Frame,
-    ) -> Result<Vec<DrawnVertex>> {
-        let mut frame = *frame;
-        frame.settings.method = Method::Exact;
-        frame.settings.wireframe = false;
-        // Those of pixels are none of the triangles'.
-        frame.settings.normals = Normals::Vertex;
-        let mut kept = Vec::new();
-        let target = Target::bound(renderer.gl());
-        let gl = renderer.gl().clone();
-        let (surfaces, draw_list) = self.for_draw_list();
-        draw_list.update(&gl, surfaces, &frame, target.size, renderer.draw_size())?;
-        let output = Output::Triangles;
-        renderer.draw_exact(surfaces, draw_list, &frame, &target, output, Some(&mut kept))?;
-        let mut patches = draw_list.stats().patches;
-        self.update_meshes(renderer, &frame)?;
-        for mesh in self.meshes() {
-            renderer.draw_mesh(mesh, &frame, output, patches, Some(&mut kept))?;
-            patches += mesh.stats().patches;
-        }
-        Ok(kept)
-    }
 }
 
 /// One draw whose triangles are kept instead of being filled.
@@ -80,12 +44,12 @@ impl Feedback {
         Ok(Self { gl: gl.clone(), buffer, vertices })
     }
 
-    pub(super) fn end(self, kept: &mut Vec<DrawnVertex>) {
+    pub(super) fn end(self, captured: &mut Vec<DrawnVertex>) {
         // SAFETY: the context is current (see the renderer); feedback was begun.
         unsafe {
             self.gl.end_transform_feedback();
             self.gl.disable(glow::RASTERIZER_DISCARD);
         }
-        kept.extend(self.buffer.read::<DrawnVertex>(self.vertices));
+        captured.extend(self.buffer.read::<DrawnVertex>(self.vertices));
     }
 }

@@ -8,19 +8,20 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use bytemuck::Pod;
-use glam::{DMat3, DMat4, DVec3, DVec4, UVec2, Vec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Vec4};
 
-use super::Frame;
-use super::programs::TrimFeatures;
+use super::draws::{Draw, PlanKey, Tessellated, divide};
 use super::surface::{PreparedSurface, Revision};
+use super::{Frame, Renderer};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
+use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
+use crate::programs::TrimFeatures;
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
-    DrawSize, EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, PatchKind, Plan, Rounding,
-    Screen, SurfacePatches, parts_of_next_draw,
+    EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, PatchKind, Plan, Rounding, Screen,
+    SurfacePatches,
 };
 
 /// Bytes of room for parts beyond those that are there at first: a patch that is pulled may want more, and
@@ -40,7 +41,7 @@ pub(crate) struct DrawList {
     batches: Vec<Batch>,
     /// For each surface, where its parts go.
     lists: Vec<Lists>,
-    seen: Option<PlanKey>,
+    key: Option<PlanKey>,
     plan: Plan,
     /// The parts of all lists, one list after the other, on their way to the driver; and those that it
     /// has.
@@ -60,12 +61,14 @@ impl Vertex for Part {
     ];
 }
 
-/// What a plan was made for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct PlanKey {
-    pub(super) projection: ViewProjection,
-    pub(super) size: UVec2,
-    pub(super) tessellation: Tessellation,
+impl Tessellated for Part {
+    fn vertices(&self) -> u32 {
+        self.vertices()
+    }
+
+    fn triangles(&self) -> u64 {
+        self.triangles()
+    }
 }
 
 /// What parts of several patches have in common.
@@ -79,15 +82,6 @@ pub(crate) struct Batch {
     /// Whether other surfaces have it too, with matrices of their own.
     pub(crate) shared: bool,
     pub(crate) trims: TrimFeatures,
-}
-
-/// A draw call: so many parts of a batch, from this one of all.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Draw {
-    pub(crate) batch: usize,
-    pub(crate) first: i32,
-    pub(crate) count: i32,
-    pub(crate) triangles: u64,
 }
 
 /// What lets parts of two surfaces share a draw.
@@ -104,7 +98,7 @@ struct BatchKey {
 
 impl DrawList {
     /// Nothing yet, but the neighbours of the surfaces are known.
-    pub(super) fn of_neighbours(table: EdgeTable, surfaces: &[PreparedSurface]) -> Self {
+    pub(crate) fn of_neighbours(table: EdgeTable, surfaces: &[PreparedSurface]) -> Self {
         let borders = surfaces.iter().map(|surface| surface.revision().borders).collect();
         Self { table, borders, ..Self::default() }
     }
@@ -113,38 +107,38 @@ impl DrawList {
     /// yet get them.
     pub(crate) fn update(
         &mut self,
-        gl: &Gl,
+        renderer: &Renderer,
         surfaces: &mut [PreparedSurface],
         frame: &Frame,
-        size: UVec2,
-        draw_size: DrawSize,
     ) -> Result<()> {
         for surface in &mut *surfaces {
-            surface.upload_trims(gl, &frame.settings)?;
+            surface.upload_trims(renderer.gl(), &frame.settings)?;
         }
-        let seen = PlanKey {
-            projection: frame.projection,
-            size,
-            tessellation: frame.settings.tessellation,
-        };
+        let key = PlanKey::new(frame, frame.settings.tessellation);
         let same = self.note_revisions(surfaces);
-        if same && self.seen == Some(seen) {
+        if same && self.key == Some(key) {
             return Ok(());
         }
         // Only a whole update counts.
-        self.seen = None;
-        self.plan(surfaces, &seen);
-        self.upload(gl, surfaces, &seen, draw_size)?;
-        self.seen = Some(seen);
+        self.key = None;
+        self.plan(surfaces, &key);
+        self.upload(renderer, surfaces, &key)?;
+        self.key = Some(key);
         Ok(())
     }
 
-    pub(crate) fn draws(&self) -> &[Draw] {
+    pub(super) fn draws(&self) -> &[Draw] {
         &self.draws
     }
 
-    pub(crate) fn batches(&self) -> &[Batch] {
+    pub(super) fn batches(&self) -> &[Batch] {
         &self.batches
+    }
+
+    /// The batches of the draws, in their order.
+    pub(super) fn drawn_batches(&self) -> impl Iterator<Item = &Batch> {
+        let of_each = self.draws.chunk_by(|a, b| a.batch == b.batch);
+        of_each.map(|draws| &self.batches[draws[0].batch])
     }
 
     pub(crate) const fn parts(&self) -> Option<&Buffer> {
@@ -225,22 +219,19 @@ impl DrawList {
         }
     }
 
-    fn plan(&mut self, surfaces: &mut [PreparedSurface], seen: &PlanKey) {
-        let tolerance = match seen.tessellation {
+    fn plan(&mut self, surfaces: &mut [PreparedSurface], key: &PlanKey) {
+        let tolerance = match key.tessellation {
             Tessellation::Within(tolerance) => tolerance.pixels(),
             Tessellation::Level(_) => 1.0,
         };
-        let screen = Screen::new(&seen.projection, seen.size, tolerance);
-        let to_clip = seen.projection.projection * seen.projection.view;
+        let screen = Screen::new(&key.camera, key.size, tolerance);
+        let to_clip = key.camera.projection * key.camera.view;
         let mut first_patch = 0;
         let mut patches: Vec<SurfacePatches<'_>> = Vec::with_capacity(surfaces.len());
         for (number, surface) in surfaces.iter_mut().enumerate() {
             let model = surface.surface().transform;
             let back = (surface.surface().cull == Cull::Back).then(|| {
-                (
-                    eye_in_model(&seen.projection, &model),
-                    DMat3::from_mat4(model).determinant().signum(),
-                )
+                (eye_in_model(&key.camera, &model), DMat3::from_mat4(model).determinant().signum())
             });
             let rounding = Rounding::new(
                 &(to_clip * surface.points_to_world()),
@@ -267,7 +258,7 @@ impl DrawList {
             first_patch += cones.len() as u32;
         }
         let lists = self.batches.len();
-        match seen.tessellation {
+        match key.tessellation {
             Tessellation::Within(_) => {
                 self.plan.within_tolerance(&mut patches, &self.table, lists, &screen);
             }
@@ -278,11 +269,11 @@ impl DrawList {
     /// Brings the plan and the matrices to the driver, and makes the draws.
     fn upload(
         &mut self,
-        gl: &Gl,
+        renderer: &Renderer,
         surfaces: &[PreparedSurface],
-        seen: &PlanKey,
-        draw_size: DrawSize,
+        key: &PlanKey,
     ) -> Result<()> {
+        let gl = renderer.gl();
         self.draws.clear();
         let count: usize = self.plan.lists().iter().map(Vec::len).sum();
         if count == 0 {
@@ -304,20 +295,12 @@ impl DrawList {
         std::mem::swap(&mut self.uploaded, &mut self.staged);
         let mut first = 0;
         for (batch, parts) in self.plan.lists().iter().enumerate() {
-            let mut rest = parts.as_slice();
-            while !rest.is_empty() {
-                let vertices = rest.iter().map(Part::vertices);
-                let count = parts_of_next_draw(vertices, draw_size);
-                let triangles = rest[..count].iter().map(Part::triangles).sum();
-                let (first_i32, count_i32) = (first as i32, count as i32);
-                self.draws.push(Draw { batch, first: first_i32, count: count_i32, triangles });
-                first += count;
-                rest = &rest[count..];
-            }
+            divide(parts, first, batch, renderer.draw_size(), &mut self.draws);
+            first += parts.len();
         }
         let texels: Vec<Vec4> = surfaces
             .iter()
-            .flat_map(|surface| matrices(&surface.points_to_world(), &seen.projection))
+            .flat_map(|surface| matrices(&surface.points_to_world(), &key.camera))
             .collect();
         match &self.matrices {
             // Who is by itself has them as uniforms.
@@ -357,7 +340,7 @@ fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Rang
 }
 
 /// Surfaces with one transform may have edges in common, if their control points were centred alike.
-pub(super) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> {
+pub(crate) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> {
     let mut groups: HashMap<[u64; 16], u32> = HashMap::new();
     surfaces
         .iter()
@@ -374,10 +357,10 @@ pub(super) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> 
 }
 
 /// Where the eye is, in the space of a model.
-fn eye_in_model(projection: &ViewProjection, model: &DMat4) -> Eye {
-    let from_view = (projection.view * model).inverse();
+fn eye_in_model(camera: &ViewProjection, model: &DMat4) -> Eye {
+    let from_view = (camera.view * model).inverse();
     // Lines of sight are parallel where clip w does not depend on the depth.
-    if projection.projection.row(3).z == 0.0 {
+    if camera.projection.row(3).z == 0.0 {
         Eye::Towards(from_view.transform_vector3(DVec3::Z))
     } else {
         Eye::At(from_view.transform_point3(DVec3::ZERO))
@@ -386,12 +369,9 @@ fn eye_in_model(projection: &ViewProjection, model: &DMat4) -> Eye {
 
 /// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to clip
 /// space and to view space, and what turns cross products of them into view space.
-pub(super) fn matrices(
-    points_to_world: &DMat4,
-    projection: &ViewProjection,
-) -> [Vec4; MATRIX_TEXELS] {
-    let to_view = projection.view * *points_to_world;
-    let to_clip = projection.for_driver() * to_view;
+pub(super) fn matrices(points_to_world: &DMat4, camera: &ViewProjection) -> [Vec4; MATRIX_TEXELS] {
+    let to_view = camera.view * *points_to_world;
+    let to_clip = camera.for_driver() * to_view;
     let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);
     // The cross product of transformed tangents is the matrix of cofactors times that of the tangents.
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];

@@ -1,27 +1,24 @@
 //! Meshes as smooth triangles: patches of three points, cut by the tessellation stages.
-#![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use std::mem::offset_of;
 use std::rc::Rc;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3};
-use glow::HasContext;
 
-use super::capture::Feedback;
-use super::draw_list::{PlanKey, matrices};
+use super::draw_list::matrices;
+use super::draws::{Draw, PlanKey, Tessellated, divide};
 use super::points::LocalFrame;
-use super::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
-use super::{
-    DrawnVertex, Frame, Renderer, in_lines, set_columns, set_depth, set_for_aovs, set_lights,
-};
+use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
+use super::{DrawnVertex, Frame, Renderer, in_lines};
 use crate::error::Result;
-use crate::gpu::{Attribute, Buffer, Gl, Target, TexelBuffer, Texture, Vertex};
+use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Texture, Vertex};
 use crate::mesh::{Corner, Smoothing};
+use crate::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
-    DrawSize, FrameStats, Rounding, Screen, TriangleBound, parts_of_next_draw, raise,
-    triangles_of_triangle, vertices_of_triangle,
+    DrawSize, FrameStats, Rounding, Screen, TriangleBound, raise, triangles_of_triangle,
+    vertices_of_triangle,
 };
 
 /// A corner of a flat triangle as `triangles/triangle.vert` reads it.
@@ -76,16 +73,6 @@ impl Vertex for SmoothCorner {
     ];
 }
 
-/// A draw call: so many triangles from this one on.
-#[derive(Debug, Clone, Copy)]
-struct Draw {
-    first: usize,
-    count: usize,
-    triangles: u64,
-    /// The number of its paint.
-    paint: usize,
-}
-
 /// The paint of triangles up to this one.
 #[derive(Debug)]
 struct Painted {
@@ -110,13 +97,13 @@ pub(crate) struct PreparedMesh {
     colors: Option<Buffer>,
     /// Control points of all triangles, 10 or 6 each; none of flat ones.
     nets: Vec<DVec3>,
-    seen: Option<PlanKey>,
+    key: Option<PlanKey>,
     /// Of each triangle what it needs by itself; 0 if it is out of sight.
     needs: Vec<u8>,
     /// Of each edge the larger need.
     edges: Vec<u8>,
-    /// Of each triangle the levels as the control stage reads them; 0 if it is not drawn.
-    words: Vec<u32>,
+    /// Of each triangle.
+    words: Vec<TriangleLevels>,
     levels: Option<TexelBuffer>,
     draws: Vec<Draw>,
     figures: FrameStats,
@@ -200,7 +187,7 @@ impl PreparedMesh {
             corners,
             colors: colors.transpose()?,
             nets,
-            seen: None,
+            key: None,
             needs: Vec::new(),
             edges: Vec::new(),
             words: Vec::new(),
@@ -221,44 +208,40 @@ impl PreparedMesh {
     }
 
     /// Brings levels and draws up to date with a frame.
-    pub(crate) fn update(
-        &mut self,
-        gl: &Gl,
-        frame: &Frame,
-        target: &Target,
-        draw_size: DrawSize,
-    ) -> Result<()> {
+    pub(crate) fn update(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
         let tessellation = match (self.model.smoothing(), self.model.level) {
             (Smoothing::None, _) => Tessellation::Level(TessLevel::ONE),
             (_, Some(level)) => Tessellation::Level(level),
             (_, None) => frame.settings.tessellation,
         };
-        let seen = PlanKey { projection: frame.projection, size: target.size, tessellation };
-        if self.seen == Some(seen) {
+        let key = PlanKey::new(frame, tessellation);
+        if self.key == Some(key) {
             return Ok(());
         }
         // Only a whole update counts.
-        self.seen = None;
-        self.find_levels(&seen);
+        self.key = None;
+        self.find_levels(&key);
         match &self.levels {
-            Some(levels) => levels.buffer().write(0, &self.words),
+            Some(levels) => levels.buffer().write(0, bytemuck::cast_slice::<_, u32>(&self.words)),
             None => {
-                self.levels = Some(TexelBuffer::of_words(gl, "levels of triangles", &self.words)?)
+                let words = bytemuck::cast_slice(&self.words);
+                let levels = TexelBuffer::of_words(renderer.gl(), "levels of triangles", words);
+                self.levels = Some(levels?);
             }
         }
-        self.find_draws(draw_size);
-        self.seen = Some(seen);
+        self.find_draws(renderer.draw_size());
+        self.key = Some(key);
         Ok(())
     }
 
     /// The levels of all triangles that can be seen.
-    fn find_levels(&mut self, seen: &PlanKey) {
-        let (tolerance, fixed) = match seen.tessellation {
+    fn find_levels(&mut self, key: &PlanKey) {
+        let (tolerance, fixed) = match key.tessellation {
             Tessellation::Within(tolerance) => (tolerance.pixels(), None),
             Tessellation::Level(level) => (1.0, Some(level.get() as u8)),
         };
-        let screen = Screen::new(&seen.projection, seen.size, tolerance);
-        let view_to_clip = seen.projection.projection * seen.projection.view;
+        let screen = Screen::new(&key.camera, key.size, tolerance);
+        let view_to_clip = key.camera.projection * key.camera.view;
         let rounding = Rounding::new(&(view_to_clip * self.points_to_world()), 1.0);
         let to_clip = view_to_clip * self.model.transform;
         let mesh = self.model.mesh();
@@ -304,8 +287,11 @@ impl PreparedMesh {
             });
             let inside = edges[0].max(edges[1]).max(edges[2]);
             let drawn = *need > 0;
-            let word = edges[0] | edges[1] << 8 | edges[2] << 16 | inside << 24;
-            self.words.push(if drawn { word } else { 0 });
+            self.words.push(if drawn {
+                TriangleLevels::new(edges, inside)
+            } else {
+                TriangleLevels(0)
+            });
             figures.culled += usize::from(!drawn);
             figures.triangles += triangles_of_triangle(if drawn { inside } else { 0 });
         }
@@ -315,43 +301,57 @@ impl PreparedMesh {
     /// Draws of triangles of one paint that follow one another, as many vertices each as the driver likes.
     fn find_draws(&mut self, draw_size: DrawSize) {
         self.draws.clear();
-        let inside = |word: &u32| word >> 24;
-        let vertices = |word: &u32| if *word == 0 { 0 } else { vertices_of_triangle(inside(word)) };
         let mut first = 0;
         for (paint, Painted { end, .. }) in self.paints.iter().enumerate() {
-            while let Some(next) = self.words[first..*end].iter().position(|word| *word != 0) {
-                first += next;
-                let rest = &self.words[first..*end];
-                let fitting = parts_of_next_draw(rest.iter().map(vertices), draw_size);
-                let last = rest[..fitting].iter().rposition(|word| *word != 0);
-                let count = last.map_or(fitting, |last| last + 1);
-                let triangles =
-                    rest[..count].iter().map(|word| triangles_of_triangle(inside(word)));
-                self.draws.push(Draw { first, count, triangles: triangles.sum(), paint });
-                first += count;
-            }
+            divide(&self.words[first..*end], first, paint, draw_size, &mut self.draws);
             first = *end;
         }
         self.figures.draws = self.draws.len();
     }
 }
 
+/// The levels of a triangle as `triangles/triangle.tesc` reads them, 8 bits each: of its three edges, and of its
+/// inside. All 0 if it is not drawn.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(transparent)]
+struct TriangleLevels(u32);
+
+impl TriangleLevels {
+    const fn new(edges: [u32; 3], inside: u32) -> Self {
+        Self(edges[0] | edges[1] << 8 | edges[2] << 16 | inside << 24)
+    }
+
+    const fn inside(self) -> u32 {
+        self.0 >> 24
+    }
+}
+
+impl Tessellated for TriangleLevels {
+    fn vertices(&self) -> u32 {
+        if self.0 == 0 { 0 } else { vertices_of_triangle(self.inside()) }
+    }
+
+    fn triangles(&self) -> u64 {
+        triangles_of_triangle(self.inside())
+    }
+}
+
 impl Renderer {
     /// Draws a mesh as it was last updated; `first_patch` is the number of its first triangle among all
     /// patches.
-    pub(super) fn draw_mesh(
+    pub(crate) fn draw_mesh(
         &mut self,
         mesh: &PreparedMesh,
         frame: &Frame,
         output: Output,
         first_patch: usize,
-        mut kept: Option<&mut Vec<DrawnVertex>>,
+        captured: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
         let Some(levels) = &mesh.levels else { return Ok(()) };
         let smoothing = mesh.model.smoothing();
         let is_picture = output == Output::Picture;
         let own = &mesh.paints[0].texture;
-        let (shading, _) = self.look(mesh.model.shading, own, &frame.settings, output);
+        let (shading, _) = self.style(mesh.model.shading, own, &frame.settings, output);
         let in_lines = in_lines(&frame.settings, output);
         let colored = mesh.colors.is_some() && is_picture && !in_lines;
         let key = ProgramKey {
@@ -360,31 +360,30 @@ impl Renderer {
             trims: TrimFeatures::NONE,
             output,
             cut_out: is_picture && !in_lines && mesh.paints.iter().any(Painted::has_holes),
-            far_depth: frame.projection.depth_scale().is_some(),
+            far_depth: frame.camera.depth_scale().is_some(),
         };
-        self.program(key)?;
-        let program = &self.programs[&key];
+        let program = self.program(key)?;
         program.bind();
-        set_depth(program, frame.projection.depth_scale());
-        let columns = matrices(&mesh.points_to_world(), &frame.projection);
+        set_depth(&program, frame);
+        let columns = matrices(&mesh.points_to_world(), &frame.camera);
         // Cross products turn with the triangle, normals stay outside.
         let sign = mesh.model.transform.determinant().signum() as f32;
-        set_columns(program, &columns, sign);
+        set_columns(&program, &columns, sign);
         if let Smoothing::Phong(alpha) = smoothing {
             program.set_f32(location::ALPHA, alpha.get() as f32);
         }
         if is_picture {
             if shading == Shading::Phong {
-                set_lights(program, frame);
+                set_lights(&program, frame);
             }
         } else {
             program.set_i32(location::FIRST_PATCH, first_patch as i32);
         }
         if output == Output::Aovs {
-            set_for_aovs(program, frame, &Target::bound(&self.gl));
+            set_aovs(&program, frame);
         }
         levels.bind(LEVELS_UNIT);
-        self.set_state(3, frame.settings.wireframe);
+        self.set_state(frame, 3, frame.settings.wireframe);
         let array = match smoothing {
             Smoothing::None if mesh.model.mesh().mesh().coordinates().is_empty() => {
                 &self.bare_array
@@ -394,29 +393,10 @@ impl Renderer {
         };
         array.bind(&mesh.corners);
         array.bind_colors(mesh.colors.as_ref().filter(|_| colored));
-        let mut paint = None;
-        for draw in &mesh.draws {
-            if paint.replace(draw.paint) != Some(draw.paint) {
-                let texture = &mesh.paints[draw.paint].texture;
-                self.look(shading, texture, &frame.settings, output).1.bind(0);
-            }
-            let feedback = match kept {
-                Some(_) => Some(
-                    Feedback::begin(&self.gl, draw.triangles).inspect_err(|_| self.release())?,
-                ),
-                None => None,
-            };
-            // SAFETY: the context is current (see the type); the range lies within the buffer, whose
-            // bytes fit an i32 since it was made.
-            unsafe {
-                let (first, count) = (3 * draw.first as i32, 3 * draw.count as i32);
-                self.gl.draw_arrays(glow::PATCHES, first, count);
-            }
-            if let (Some(feedback), Some(kept)) = (feedback, kept.as_deref_mut()) {
-                feedback.end(kept);
-            }
-        }
-        self.release();
-        Ok(())
+        let bind = |paint: usize| {
+            let texture = &mesh.paints[paint].texture;
+            self.style(shading, texture, &frame.settings, output).1.bind(0);
+        };
+        self.make_draws(&mesh.draws, 3, bind, captured)
     }
 }

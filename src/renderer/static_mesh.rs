@@ -7,11 +7,12 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
-use super::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
-use super::{Frame, Renderer, set_depth, set_for_aovs, set_lights};
+use super::uniforms::{set_aovs, set_depth, set_lights};
+use super::{Frame, Renderer};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
-use crate::gpu::{Attribute, Buffer, FloatTarget, Gl, Target, Texture, Vertex, VertexArray};
+use crate::gpu::{Attribute, Buffer, FloatTarget, Gl, Texture, Vertex, VertexArray};
+use crate::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
 use crate::scene::{Method, Shading};
 
 /// A corner of triangles.
@@ -105,19 +106,19 @@ fn refill<T: Pod>(gl: &Gl, buffer: &mut Buffer, label: &str, values: &[T]) -> Re
 
 /// How static triangles are drawn.
 #[derive(Debug, Clone, Copy)]
-pub struct StaticLook<'a> {
+pub struct StaticStyle<'a> {
     /// Whose fragment stage.
     pub method: Method,
     /// Its light.
     pub shading: Shading,
     /// The trims that are compiled in: of the thesis' method alone. Their uniforms are set on
-    /// [`Renderer::program`] of [`StaticLook::key`], where they stay.
+    /// [`Renderer::program`] of [`StaticStyle::key`], where they stay.
     pub trims: TrimFeatures,
     /// The surface's picture.
     pub texture: &'a Texture,
 }
 
-impl StaticLook<'_> {
+impl StaticStyle<'_> {
     /// The program that draws so.
     #[must_use]
     pub const fn key(&self, output: Output, far_depth: bool) -> ProgramKey {
@@ -141,10 +142,10 @@ impl Renderer {
     pub fn draw_static(
         &mut self,
         mesh: &StaticMesh,
-        look: &StaticLook<'_>,
+        style: &StaticStyle<'_>,
         frame: &Frame,
     ) -> Result<()> {
-        self.draw_static_to(mesh, look, frame, Output::Picture)
+        self.draw_static_to(mesh, style, frame, Output::Picture)
     }
 
     /// What each pixel of static triangles shows, at its centre.
@@ -154,37 +155,36 @@ impl Renderer {
     pub fn static_aovs(
         &mut self,
         mesh: &StaticMesh,
-        look: &StaticLook<'_>,
+        style: &StaticStyle<'_>,
         target: &FloatTarget,
         frame: &Frame,
     ) -> Result<Aovs> {
         target.bind_cleared();
-        self.draw_static_to(mesh, look, frame, Output::Aovs)?;
+        self.draw_static_to(mesh, style, frame, Output::Aovs)?;
         Ok(target.aovs())
     }
 
     fn draw_static_to(
         &mut self,
         mesh: &StaticMesh,
-        look: &StaticLook<'_>,
+        style: &StaticStyle<'_>,
         frame: &Frame,
         output: Output,
     ) -> Result<()> {
-        let depth_scale = frame.projection.depth_scale();
-        let program = self.program(look.key(output, depth_scale.is_some()))?;
+        let is_far = frame.camera.depth_scale().is_some();
+        let program = self.program(style.key(output, is_far))?;
         program.bind();
-        set_depth(program, depth_scale);
-        program.set_mat4(location::VIEW, &frame.projection.view.as_mat4());
-        if look.shading == Shading::Phong && output == Output::Picture {
-            set_lights(program, frame);
+        set_depth(&program, frame);
+        program.set_mat4(location::VIEW, &frame.camera.view.as_mat4());
+        if style.shading == Shading::Phong && output == Output::Picture {
+            set_lights(&program, frame);
         }
-        program.set_mat4(location::PROJECTION, &frame.projection.for_driver().as_mat4());
+        program.set_mat4(location::PROJECTION, &frame.camera.for_driver().as_mat4());
         if output == Output::Aovs {
-            let target = Target::bound(&mesh.gl);
-            set_for_aovs(program, frame, &target);
+            set_aovs(&program, frame);
         }
-        look.texture.bind(0);
-        self.set_state(3, frame.settings.wireframe && output == Output::Picture);
+        style.texture.bind(0);
+        self.set_state(frame, 3, frame.settings.wireframe && output == Output::Picture);
         mesh.array.bind_indexed(&mesh.vertices, &mesh.indices);
         // SAFETY: the context is current (see the type); the buffer holds `count` indices, which were
         // checked to be of vertices, and whose bytes fit an i32.

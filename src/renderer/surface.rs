@@ -53,7 +53,7 @@ impl PreparedSurface {
     }
 
     /// The same with control points that are there already.
-    pub(super) fn with_points(
+    pub(crate) fn with_points(
         surface: Surface,
         texture: Rc<Texture>,
         control_points: ControlPoints,
@@ -163,28 +163,28 @@ impl PreparedSurface {
         self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
     }
 
-    pub(super) const fn degree(&self) -> Degree {
+    pub(crate) const fn degree(&self) -> Degree {
         self.surface.degree()
     }
 
-    pub(super) const fn shading(&self) -> Shading {
+    pub(crate) const fn shading(&self) -> Shading {
         self.surface.shading
     }
 
-    pub(super) const fn texture(&self) -> &Rc<Texture> {
+    pub(crate) const fn texture(&self) -> &Rc<Texture> {
         &self.texture
     }
 
-    pub(super) const fn uploaded_points(&self) -> &ControlPoints {
+    pub(crate) const fn uploaded_points(&self) -> &ControlPoints {
         &self.control_points
     }
 
     /// What was uploaded since the trims changed last.
-    pub(super) const fn uploaded_trims(&self) -> &UploadedTrims {
+    pub(crate) const fn uploaded_trims(&self) -> &UploadedTrims {
         &self.uploaded_trims
     }
 
-    pub(super) fn cones(&self) -> &[NormalCone] {
+    pub(crate) fn cones(&self) -> &[NormalCone] {
         &self.cones
     }
 
@@ -193,7 +193,7 @@ impl PreparedSurface {
     }
 
     /// From the driver's control points to world space.
-    pub(super) fn points_to_world(&self) -> DMat4 {
+    pub(crate) fn points_to_world(&self) -> DMat4 {
         self.surface.transform * self.control_points.centering().to_model()
     }
 

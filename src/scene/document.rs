@@ -25,7 +25,8 @@ use crate::bezier::{Degree, MAX_COORDINATE, check_coordinates};
 use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
-use crate::trim::{Keep, Newton};
+use crate::thesis::newton::Newton;
+use crate::trim::Keep;
 use trims::{PlacedTrims, TrimPlaces};
 
 /// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond

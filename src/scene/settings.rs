@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::camera::ViewProjection;
 use crate::error::{Error, Result};
-use crate::trim::Newton;
+use crate::thesis::newton::Newton;
 
 /// Side of the square that shows a control point, in pixels.
 pub(crate) const CONTROL_POINT_PX: f32 = 7.0;

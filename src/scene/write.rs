@@ -302,7 +302,7 @@ impl Writer<'_> {
             let (center, radius) = (pair(circle.center), circle.radius);
             self.trim("circle", format_args!("{{ center = {center}, radius = {radius:?} }}"));
         }
-        for interval in trims.intervals.iter().take(on(trims.intervals_on)) {
+        for interval in trims.rects.iter().take(on(trims.rects_on)) {
             let (u, v) = (pair(interval.u), pair(interval.v));
             self.trim("interval", format_args!("{{ u = {u}, v = {v} }}"));
         }

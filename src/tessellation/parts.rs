@@ -209,7 +209,7 @@ pub(crate) enum DrawSize {
 }
 
 /// How many of the parts that come first make one draw, by their vertices.
-pub(crate) fn parts_of_next_draw(vertices: impl Iterator<Item = u32>, size: DrawSize) -> usize {
+pub(crate) fn patches_of_next_draw(vertices: impl Iterator<Item = u32>, size: DrawSize) -> usize {
     let most = match size {
         DrawSize::Small => 800,
         DrawSize::Large => 32_000,

@@ -392,7 +392,7 @@ mod tests {
 
     #[test]
     fn many_shapes_are_decided_as_their_equations_say() {
-        use crate::trim::{Circle, Ellipse, Interval};
+        use crate::trim::{Circle, Ellipse, Rect};
         let mut trims = Trims::default();
         for i in 0..300 {
             let i = f64::from(i);
@@ -403,8 +403,8 @@ mod tests {
                 1 => trims.ellipses.push(Ellipse::new(center, dvec2(radius, 0.01)).unwrap()),
                 _ => {
                     let range = |x: f64| dvec2(x - radius, x + 0.5 * radius);
-                    let interval = Interval::new(range(center.x), range(center.y)).unwrap();
-                    trims.intervals.push(interval);
+                    let interval = Rect::new(range(center.x), range(center.y)).unwrap();
+                    trims.rects.push(interval);
                 }
             }
         }

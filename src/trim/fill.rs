@@ -17,7 +17,7 @@ pub enum FillRule {
 }
 
 impl FillRule {
-    /// Whether a place with this winding number ([`winding_number`]) is inside.
+    /// Whether a place with this winding number is inside.
     #[must_use]
     pub const fn fills(self, winding_number: i32) -> bool {
         match self {

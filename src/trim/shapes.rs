@@ -5,7 +5,7 @@ use glam::{DVec2, UVec2, Vec2};
 
 use super::grid::{LIST, end_list};
 use super::uniform_grid::UniformGrid;
-use super::{Circle, Ellipse, Interval, Trims};
+use super::{Circle, Ellipse, Rect, Trims};
 
 /// Words of a shape in the shader's buffer.
 pub(super) const SHAPE_WORDS: usize = 8;
@@ -23,7 +23,7 @@ const THINNEST: f64 = 1e-9;
 #[derive(Clone, Copy)]
 enum Shape {
     Ellipse(Ellipse),
-    Interval(Interval),
+    Rect(Rect),
 }
 
 impl Shape {
@@ -31,14 +31,14 @@ impl Shape {
     fn extent(&self) -> [DVec2; 2] {
         match self {
             Self::Ellipse(Ellipse { center, radii }) => [center - radii, center + radii],
-            Self::Interval(Interval { u, v }) => [DVec2::new(u.x, v.x), DVec2::new(u.y, v.y)],
+            Self::Rect(Rect { u, v }) => [DVec2::new(u.x, v.x), DVec2::new(u.y, v.y)],
         }
     }
 
     fn cuts(&self, uv: DVec2) -> bool {
         match self {
             Self::Ellipse(ellipse) => ellipse.cuts(uv),
-            Self::Interval(interval) => interval.cuts(uv),
+            Self::Rect(interval) => interval.cuts(uv),
         }
     }
 
@@ -47,7 +47,7 @@ impl Shape {
         match self {
             // The point of the box that is nearest in the ellipse's own measure.
             Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(least, most)),
-            Self::Interval(_) => {
+            Self::Rect(_) => {
                 let [low, high] = self.extent();
                 low.cmple(most).all() && least.cmple(high).all()
             }
@@ -75,7 +75,7 @@ impl Shape {
                 let [square, linear] = [square.as_vec2(), linear.as_vec2()];
                 [from.x, from.y, square.x, square.y, linear.x, linear.y, constant as f32, 0.0]
             }
-            Self::Interval(Interval { u, v }) => {
+            Self::Rect(Rect { u, v }) => {
                 let [u, v] = [u.as_vec2(), v.as_vec2()];
                 [u.x, u.y, v.x, v.y, 0.0, 0.0, 0.0, 0.0]
             }
@@ -87,7 +87,7 @@ impl Shape {
     const fn kind(&self) -> u32 {
         match self {
             Self::Ellipse(_) => 0,
-            Self::Interval(_) => 1,
+            Self::Rect(_) => 1,
         }
     }
 }
@@ -131,14 +131,14 @@ pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(UniformGrid,
 
 fn shapes_of(trims: &Trims) -> Vec<Shape> {
     let circles = trims.circles.iter().filter(|_| trims.circles_on);
-    let intervals = trims.intervals.iter().filter(|_| trims.intervals_on);
+    let intervals = trims.rects.iter().filter(|_| trims.rects_on);
     let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
     circles
         .map(|Circle { center, radius }| Ellipse { center: *center, radii: DVec2::splat(*radius) })
         .chain(ellipses.copied())
         .filter(|ellipse| ellipse.radii.min_element() > THINNEST)
         .map(Shape::Ellipse)
-        .chain(intervals.copied().map(Shape::Interval))
+        .chain(intervals.copied().map(Shape::Rect))
         .collect()
 }
 

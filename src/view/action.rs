@@ -66,7 +66,7 @@ pub(crate) enum TrimKind {
     /// Circles.
     Circle,
     /// Intervals.
-    Interval,
+    Rect,
     /// Ellipses.
     Ellipse,
     /// All loops.
@@ -162,7 +162,7 @@ pub(crate) const BINDINGS: &[Binding] = &[
         help: "wireframe: red lines, blue control points",
     },
     Binding { keys: &[(letter('c'), Action::Trim(TrimKind::Circle))], help: "circle on, off" },
-    Binding { keys: &[(letter('i'), Action::Trim(TrimKind::Interval))], help: "interval on, off" },
+    Binding { keys: &[(letter('i'), Action::Trim(TrimKind::Rect))], help: "interval on, off" },
     Binding { keys: &[(letter('l'), Action::Trim(TrimKind::Ellipse))], help: "ellipse on, off" },
     Binding { keys: &[(letter('b'), Action::Trim(TrimKind::Loop))], help: "Bézier loop on, off" },
     Binding { keys: &[(letter('n'), Action::Trim(TrimKind::Nested))], help: "nested loop on, off" },

@@ -3,8 +3,7 @@
 
 use std::num::NonZeroU32;
 
-use freeform_surface::gpu::{DebugLog, Gl};
-use freeform_surface::{Error, Result};
+use freeform_surface::{DebugLog, Error, Gl, Result};
 use glow::HasContext as _;
 use glutin::config::{Config, ConfigTemplateBuilder};
 use glutin::context::{

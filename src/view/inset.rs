@@ -88,10 +88,10 @@ fn curves(painter: &egui::Painter, trims: &Trims, place: impl Fn(DVec2) -> Pos2)
     for ellipse in &trims.ellipses {
         closed(ring(ellipse.center, ellipse.radii), trims.ellipses_on);
     }
-    for interval in &trims.intervals {
+    for interval in &trims.rects {
         let (u, v) = (interval.u, interval.v);
         let corners = [dvec2(u.x, v.x), dvec2(u.y, v.x), dvec2(u.y, v.y), dvec2(u.x, v.y)];
-        closed(corners.map(&place).to_vec(), trims.intervals_on);
+        closed(corners.map(&place).to_vec(), trims.rects_on);
     }
     let segments = trims.segment_count();
     for trim_loop in trims.all_loops() {

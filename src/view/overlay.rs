@@ -5,8 +5,7 @@ use std::time::Duration;
 
 use egui::{Context, Pos2, Rect, ViewportId};
 use egui_glow::Painter;
-use freeform_surface::gpu::Gl;
-use freeform_surface::{Error, Result};
+use freeform_surface::{Error, Gl, Result};
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;

@@ -274,7 +274,7 @@ fn numbers(ui: &mut Ui, trims: &Trims) -> Option<Trims> {
     // Loops may be many, and are copied only for a change.
     let own = Trims {
         circles: trims.circles.clone(),
-        intervals: trims.intervals.clone(),
+        rects: trims.rects.clone(),
         ellipses: trims.ellipses.clone(),
         loops: Vec::new(),
         paths: Vec::new(),
@@ -314,9 +314,9 @@ fn shapes(ui: &mut Ui, trims: &mut Trims) {
             });
         });
     }
-    for interval in trims.intervals.iter_mut().take(MOST) {
+    for interval in trims.rects.iter_mut().take(MOST) {
         ui.horizontal(|ui| {
-            ui.add_enabled_ui(trims.intervals_on, |ui| {
+            ui.add_enabled_ui(trims.rects_on, |ui| {
                 ui.label("interval");
                 place(ui, &mut interval.u);
                 place(ui, &mut interval.v);

@@ -2,8 +2,9 @@
 
 use std::time::Instant;
 
-use freeform_surface::gpu::{self, Framebuffer, Gl};
-use freeform_surface::{Frame, FrameStats, Image, PreparedScene, Renderer, Result, Samples, Scene};
+use freeform_surface::{
+    Frame, FrameStats, Framebuffer, Gl, Image, PreparedScene, Renderer, Result, Samples, Scene,
+};
 
 use super::state::{Changes, State};
 
@@ -68,7 +69,7 @@ impl Screen {
             self.still = Some(still);
             self.stale = false;
         }
-        gpu::finish(self.renderer.gl());
+        self.renderer.gl().finish();
         self.ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
@@ -132,7 +133,7 @@ impl Screen {
 }
 
 fn frame_of(state: &State) -> Frame {
-    Frame { projection: state.projection(), settings: state.scene().settings }
+    Frame::new(state.projection(), state.size().as_uvec2(), state.scene().settings)
 }
 
 #[cfg(test)]
@@ -209,7 +210,7 @@ mod tests {
             }
             let again = Scene::from_toml(&saved.text, &path).unwrap();
             let mut prepared = PreparedScene::new(&screen.renderer, &again).unwrap();
-            let frame = Frame { projection: again.projection(160, 120), settings: again.settings };
+            let frame = Frame::of(&again, (160, 120));
             let picture =
                 prepared.picture(&mut screen.renderer, &screen.target, &frame, |_, _| {}).unwrap();
             assert!(picture == shown, "event {number}:\n{}", saved.text);

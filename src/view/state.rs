@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Camera, Error, FrameStats, Image, Method, NewtonTrims, Paint, Result, Scene, Smoothing,
-    TessLevel, Tessellation, Tolerance, Trims, ViewProjection,
+    Alpha, Camera, Error, FrameStats, Image, Method, Paint, Result, Scene, Smoothing, TessLevel,
+    Tessellation, Tolerance, Trims, ViewProjection,
 };
 use glam::{DVec2, dvec2};
 

@@ -1,8 +1,7 @@
 //! Trims under the hand: switched on and off by keys, pulled by their points in the (u, v) inset.
 
-use freeform_surface::{
-    Circle, Ellipse, Error, Interval, Result, Scene, Segment, TrimLoop, Trims, inside_loops,
-};
+use freeform_surface::inspect::inside_loops;
+use freeform_surface::{Circle, Ellipse, Error, Rect, Result, Scene, Segment, TrimLoop, Trims};
 use glam::{DVec2, dvec2};
 
 use super::action::TrimKind;
@@ -16,9 +15,9 @@ pub(crate) enum Handle {
     /// The right end of a circle.
     CircleRadius(usize),
     /// The corner of an interval with the least u and v.
-    IntervalFirst(usize),
+    RectFirst(usize),
     /// The opposite corner.
-    IntervalLast(usize),
+    RectLast(usize),
     /// The centre of an ellipse.
     EllipseCenter(usize),
     /// The right end of an ellipse.
@@ -37,9 +36,9 @@ pub(crate) fn handles(trims: &Trims) -> Vec<(Handle, DVec2)> {
         handles.push((Handle::CircleCenter(i), *center));
         handles.push((Handle::CircleRadius(i), *center + dvec2(*radius, 0.0)));
     }
-    for (i, Interval { u, v }) in trims.intervals.iter().enumerate() {
-        handles.push((Handle::IntervalFirst(i), dvec2(u.x, v.x)));
-        handles.push((Handle::IntervalLast(i), dvec2(u.y, v.y)));
+    for (i, Rect { u, v }) in trims.rects.iter().enumerate() {
+        handles.push((Handle::RectFirst(i), dvec2(u.x, v.x)));
+        handles.push((Handle::RectLast(i), dvec2(u.y, v.y)));
     }
     for (i, Ellipse { center, radii }) in trims.ellipses.iter().enumerate() {
         handles.push((Handle::EllipseCenter(i), *center));
@@ -75,14 +74,14 @@ pub(crate) fn pulled(trims: &Trims, handle: Handle, to: DVec2) -> Result<Trims> 
                 _ => Circle::new(circle.center, to.distance(circle.center))?,
             };
         }
-        Handle::IntervalFirst(i) | Handle::IntervalLast(i) => {
-            let interval = trims.intervals.get_mut(i).ok_or_else(gone)?;
-            let Interval { u, v } = *interval;
+        Handle::RectFirst(i) | Handle::RectLast(i) => {
+            let interval = trims.rects.get_mut(i).ok_or_else(gone)?;
+            let Rect { u, v } = *interval;
             *interval = match handle {
-                Handle::IntervalFirst(_) => {
-                    Interval::new(dvec2(to.x.min(u.y), u.y), dvec2(to.y.min(v.y), v.y))?
+                Handle::RectFirst(_) => {
+                    Rect::new(dvec2(to.x.min(u.y), u.y), dvec2(to.y.min(v.y), v.y))?
                 }
-                _ => Interval::new(dvec2(u.x, to.x.max(u.x)), dvec2(v.x, to.y.max(v.x)))?,
+                _ => Rect::new(dvec2(u.x, to.x.max(u.x)), dvec2(v.x, to.y.max(v.x)))?,
             };
         }
         Handle::EllipseCenter(i) | Handle::EllipseU(i) | Handle::EllipseV(i) => {
@@ -140,7 +139,7 @@ pub(crate) fn switched(
     };
     let count = |trims: &Trims| match kind {
         TrimKind::Circle => trims.circles.len(),
-        TrimKind::Interval => trims.intervals.len(),
+        TrimKind::Rect => trims.rects.len(),
         TrimKind::Ellipse => trims.ellipses.len(),
         TrimKind::Loop | TrimKind::Nested => trims.all_loops().count(),
     };
@@ -168,7 +167,7 @@ pub(crate) fn switched(
 const fn is_on(trims: &Trims, kind: TrimKind) -> bool {
     match kind {
         TrimKind::Circle => trims.circles_on,
-        TrimKind::Interval => trims.intervals_on,
+        TrimKind::Rect => trims.rects_on,
         TrimKind::Ellipse => trims.ellipses_on,
         TrimKind::Loop | TrimKind::Nested => trims.loops_on,
     }
@@ -177,7 +176,7 @@ const fn is_on(trims: &Trims, kind: TrimKind) -> bool {
 const fn switch(trims: &mut Trims, kind: TrimKind) -> &mut bool {
     match kind {
         TrimKind::Circle => &mut trims.circles_on,
-        TrimKind::Interval => &mut trims.intervals_on,
+        TrimKind::Rect => &mut trims.rects_on,
         TrimKind::Ellipse => &mut trims.ellipses_on,
         TrimKind::Loop | TrimKind::Nested => &mut trims.loops_on,
     }
@@ -197,8 +196,8 @@ fn lens_loop(scale: f64) -> Result<TrimLoop> {
 fn add(trims: &mut Trims, kind: TrimKind) {
     match kind {
         TrimKind::Circle => trims.circles.extend(Circle::new(dvec2(0.5, 0.5), 0.2)),
-        TrimKind::Interval => {
-            trims.intervals.extend(Interval::new(dvec2(0.1, 0.3), dvec2(0.6, 0.9)));
+        TrimKind::Rect => {
+            trims.rects.extend(Rect::new(dvec2(0.1, 0.3), dvec2(0.6, 0.9)));
         }
         TrimKind::Ellipse => {
             trims.ellipses.extend(Ellipse::new(dvec2(0.5, 0.2), dvec2(0.3, 0.1)));
@@ -276,10 +275,11 @@ fn shrunk(outer: &TrimLoop) -> Result<TrimLoop> {
 mod tests {
     use super::*;
     use crate::view::undo::History;
-    use freeform_surface::{FillRule, NewtonTrims, TrimPath};
+    use freeform_surface::inspect::NewtonTrims;
+    use freeform_surface::{FillRule, TrimPath};
 
     const KINDS: [TrimKind; 5] =
-        [TrimKind::Circle, TrimKind::Interval, TrimKind::Ellipse, TrimKind::Loop, TrimKind::Nested];
+        [TrimKind::Circle, TrimKind::Rect, TrimKind::Ellipse, TrimKind::Loop, TrimKind::Nested];
 
     fn press(scene: &mut Scene, kind: TrimKind, put_by: &mut PutBy) {
         let parts = switched(scene, kind, 0, put_by);
@@ -350,7 +350,7 @@ mod tests {
             let to = match handle {
                 Handle::CircleRadius(_) | Handle::EllipseU(_) => *place + dvec2(0.05, 0.0),
                 Handle::EllipseV(_) => *place + dvec2(0.0, 0.05),
-                Handle::IntervalFirst(_) => *place - 0.05,
+                Handle::RectFirst(_) => *place - 0.05,
                 _ => *place + 0.05,
             };
             let moved = handles(&pulled(&trims, *handle, to).unwrap());
@@ -358,7 +358,7 @@ mod tests {
             assert!(pulled(&trims, *handle, DVec2::NAN).is_err(), "{handle:?}");
         }
         assert!(pulled(&trims, Handle::CircleCenter(9), DVec2::ZERO).is_err());
-        let crossed = pulled(&trims, Handle::IntervalFirst(0), DVec2::ONE).unwrap();
-        assert_eq!(crossed.intervals[0].u.x, crossed.intervals[0].u.y);
+        let crossed = pulled(&trims, Handle::RectFirst(0), DVec2::ONE).unwrap();
+        assert_eq!(crossed.rects[0].u.x, crossed.rects[0].u.y);
     }
 }

@@ -3,9 +3,11 @@
 
 use std::collections::{HashMap, HashSet};
 
+use freeform_surface::inspect::{
+    CurvedTriangle, DrawnVertex, HalfedgeMesh, PhongTriangle, PnTriangle,
+};
 use freeform_surface::{
-    Alpha, Aovs, Camera, CreaseAngle, CurvedTriangle, DrawnVertex, Frame, HalfedgeMesh, Image,
-    Lens, Mesh, MeshModel, PhongTriangle, PnTriangle, Scene, Smoothing,
+    Alpha, Aovs, Camera, CreaseAngle, Frame, Image, Lens, Mesh, MeshModel, Scene, Smoothing,
 };
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec2};
 
@@ -172,7 +174,7 @@ pub fn pixels(clip: DVec4, size: UVec2) -> DVec2 {
 
 /// World space to clip space.
 pub fn to_clip(frame: &Frame) -> DMat4 {
-    frame.projection.projection * frame.projection.view
+    frame.camera.projection * frame.camera.view
 }
 
 fn clip_of(vertex: &DrawnVertex) -> DVec4 {
@@ -328,7 +330,7 @@ pub fn is_covered(pieces: &[Piece], frame: &Frame, size: UVec2, (x, y): (u32, u3
 pub fn insides(aovs: &Aovs, frame: &Frame) -> usize {
     // Normals of smooth meshes are not quite those of the triangles.
     const TURNED: f64 = -0.5;
-    let eye = frame.projection.view.inverse().w_axis.truncate();
+    let eye = frame.camera.view.inverse().w_axis.truncate();
     let vector = |[x, y, z, _]: &[f32; 4]| DVec3::from_array([*x, *y, *z].map(f64::from));
     let towards = |normal: &[f32; 4], position: &[f32; 4]| {
         vector(normal).dot((eye - vector(position)).normalize())

@@ -11,10 +11,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 
-use freeform_surface::gpu::Framebuffer;
-use freeform_surface::reference::{Picture, Pixel, TrimDecision};
-use freeform_surface::renderer::programs::Sources;
-use freeform_surface::{Backend, Frame, Headless, Image, Method, PreparedScene, Renderer, Scene};
+use freeform_surface::inspect::programs::Sources;
+use freeform_surface::inspect::reference::{Picture, Pixel, TrimDecision};
+use freeform_surface::{
+    Backend, Frame, Framebuffer, Headless, Image, Method, PreparedScene, Renderer, Scene,
+};
 use glam::UVec2;
 
 /// The root of the project.
@@ -111,7 +112,7 @@ pub fn draw(
 ) {
     let (width, height) = target.size();
     target.bind();
-    let frame = Frame { projection: scene.projection(width, height), settings: scene.settings };
+    let frame = Frame::of(scene, (width, height));
     let _ = prepared.draw(renderer, &frame).unwrap_or_else(|error| panic!("{error}"));
 }
 

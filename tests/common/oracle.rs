@@ -1,7 +1,8 @@
 //! The exact decision at many samples: the `f64` oracle, row by row, so that a row is asked only of
 //! the curves that it meets.
 
-use freeform_surface::{FillRule, Keep, Segment, TrimGrid, TrimLoop, Trims, ray_crossings};
+use freeform_surface::inspect::{TrimGrid, ray_crossings};
+use freeform_surface::{FillRule, Keep, Segment, TrimLoop, Trims};
 use glam::{DVec2, Vec2, dvec2};
 
 /// How far from a curve a sample may be decided either way, in the unit of the domain.

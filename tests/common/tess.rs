@@ -1,12 +1,12 @@
 //! What the tests of the tessellation share: frames that are measured, and patches by chance.
 
-use freeform_surface::gpu::{FloatTarget, Framebuffer};
-use freeform_surface::measure::{Measurement, measure};
-use freeform_surface::reference::coverage;
-use freeform_surface::renderer::programs::Sources;
+use freeform_surface::inspect::DrawnVertex;
+use freeform_surface::inspect::measure::{Measurement, measure};
+use freeform_surface::inspect::programs::Sources;
+use freeform_surface::inspect::reference::coverage;
 use freeform_surface::{
-    Aovs, Degree, DrawnVertex, Frame, Image, Method, Normals, PreparedScene, RenderSettings,
-    Renderer, Scene, Surface, TessLevel, Tessellation, Tolerance, ViewProjection,
+    Aovs, Degree, FloatTarget, Frame, Framebuffer, Image, Method, Normals, PreparedScene,
+    RenderSettings, Renderer, Scene, Surface, TessLevel, Tessellation, Tolerance, ViewProjection,
 };
 use glam::{DVec3, DVec4, UVec2};
 
@@ -44,7 +44,7 @@ impl Stage {
 
     /// A frame of the scene's own camera or of the one that frames it.
     pub fn frame(&self, scene: &Scene) -> Frame {
-        Frame { projection: self.projection(scene), settings: scene.settings }
+        Frame::new(self.projection(scene), self.size, scene.settings)
     }
 
     pub fn projection(&self, scene: &Scene) -> ViewProjection {
@@ -73,8 +73,8 @@ impl Stage {
     ) -> Measurement {
         let aovs = self.aovs(prepared, frame);
         let method = frame.settings.method;
-        let reference = coverage(scene, &frame.projection, self.size, method).unwrap();
-        measure(scene, &frame.projection, &aovs, &reference)
+        let reference = coverage(scene, &frame.camera, self.size, method).unwrap();
+        measure(scene, &frame.camera, &aovs, &reference)
     }
 
     pub fn picture(&mut self, prepared: &mut PreparedScene, frame: &Frame) -> Image {
@@ -108,7 +108,7 @@ pub fn at_level(level: i64) -> RenderSettings {
 
 pub fn scene_of(surfaces: Vec<Surface>) -> Scene {
     let settings = within(0.5);
-    Scene { files: Vec::new(), camera: None, up: DVec3::Z, settings, surfaces, meshes: Vec::new() }
+    Scene { up: DVec3::Z, settings, surfaces, ..Scene::default() }
 }
 
 /// A bicubic field of `side` × `side` patches over squares of size 1: control points at every third,

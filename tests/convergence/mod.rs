@@ -3,9 +3,8 @@
 
 use std::fmt::Write as _;
 
-use freeform_surface::{
-    Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, Smoothing, smooth,
-};
+use freeform_surface::inspect::{CurvedTriangle, HalfedgeMesh, PhongTriangle, PnTriangle};
+use freeform_surface::{Alpha, Mesh, Smoothing, smooth};
 use glam::DVec3;
 
 use crate::shapes::{grid, off_sphere, off_torus, sphere, torus};

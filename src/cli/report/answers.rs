@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
-use freeform_surface::renderer::programs::{Sources, TrimFeatures};
-use freeform_surface::renderer::{StaticLook, StaticMesh, StaticVertex};
+use freeform_surface::inspect::programs::{Sources, TrimFeatures};
+use freeform_surface::inspect::{StaticMesh, StaticStyle, StaticVertex};
 use freeform_surface::{
-    Backend, Camera, Degree, Headless, Interval, Lens, Method, Scene, Shading, Surface, TessLevel,
+    Backend, Camera, Degree, Headless, Lens, Method, Rect, Scene, Shading, Surface, TessLevel,
     Tessellation,
 };
 use glam::{DVec3, DVec4, Vec3, dvec2, vec3};
@@ -62,7 +62,7 @@ fn a_shifted_and_turned_surface_is_off_by_that() {
     let mesh = StaticMesh::new(&gl, &corners, &[0, 1, 2, 2, 1, 3]).unwrap();
     let scene = square();
     let texture = scene.surfaces[0].paint.upload(&gl).unwrap();
-    let look = StaticLook {
+    let look = StaticStyle {
         method: Method::Exact,
         shading: Shading::Phong,
         trims: TrimFeatures::NONE,
@@ -90,8 +90,8 @@ fn an_icosahedron_is_as_far_from_its_sphere_as_its_faces() {
 #[test]
 fn a_border_that_was_moved_by_three_pixels_is_found_there() {
     let mut scene = square();
-    let interval = Interval::new(dvec2(0.4, 0.6), dvec2(0.2, 0.8)).unwrap();
-    scene.surfaces[0].trims.intervals.push(interval);
+    let interval = Rect::new(dvec2(0.4, 0.6), dvec2(0.2, 0.8)).unwrap();
+    scene.surfaces[0].trims.rects.push(interval);
     scene.settings.method = Method::Exact;
     let found = |sources| {
         let mut lab = lab(sources, true);

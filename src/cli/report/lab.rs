@@ -3,13 +3,16 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use freeform_surface::gpu::{self, FloatTarget, Framebuffer, Gl, Timer};
-use freeform_surface::measure::{Measurement, Timing, in_turns_by, measure, measure_drawn};
-use freeform_surface::renderer::programs::Sources;
-use freeform_surface::renderer::{StaticLook, StaticMesh};
+use freeform_surface::inspect::Timer;
+use freeform_surface::inspect::measure::{
+    Measurement, Timing, in_turns_by, measure, measure_drawn,
+};
+use freeform_surface::inspect::programs::Sources;
+use freeform_surface::inspect::{DrawnVertex, reference};
+use freeform_surface::inspect::{StaticMesh, StaticStyle};
 use freeform_surface::{
-    Aovs, DrawnVertex, Error, Frame, FrameStats, Headless, Image, PreparedScene, Renderer, Result,
-    Scene, Trims, reference,
+    Aovs, Error, FloatTarget, Frame, FrameStats, Framebuffer, Gl, Headless, Image, PreparedScene,
+    Renderer, Result, Scene, Trims,
 };
 use glam::{DMat4, DVec2, UVec2};
 use indicatif::ProgressBar;
@@ -138,8 +141,7 @@ impl Lab {
     }
 
     pub(super) fn frame(&self, scene: &Scene) -> Frame {
-        let projection = scene.projection(self.size.0, self.size.1);
-        Frame { projection, settings: scene.settings }
+        Frame::of(scene, self.size)
     }
 
     /// What a frame of each scene takes if the camera moves from frame to frame.
@@ -169,7 +171,7 @@ impl Lab {
             return in_turns_by(self.turns, count, |number| {
                 let start = Instant::now();
                 draw(renderer, number)?;
-                gpu::finish(gl);
+                gl.finish();
                 Ok(start.elapsed())
             });
         };
@@ -202,7 +204,7 @@ impl Lab {
     /// How far what is drawn of a scene is from its surfaces, and what was drawn.
     pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, FrameStats)> {
         let (aovs, figures) = self.numbers(scene)?;
-        let projection = self.frame(scene).projection;
+        let projection = self.frame(scene).camera;
         Ok((measure_drawn(scene, &projection, &aovs), figures))
     }
 
@@ -212,7 +214,7 @@ impl Lab {
         scene: &Scene,
     ) -> Result<(Measurement, FrameStats)> {
         let (aovs, figures) = self.numbers(scene)?;
-        let projection = self.frame(scene).projection;
+        let projection = self.frame(scene).camera;
         let method = scene.settings.method;
         let coverage = reference::coverage(scene, &projection, UVec2::from(self.size), method)?;
         Ok((measure(scene, &projection, &aovs, &coverage), figures))
@@ -257,12 +259,12 @@ impl Lab {
     pub(super) fn static_errors(
         &mut self,
         mesh: &StaticMesh,
-        look: &StaticLook<'_>,
+        look: &StaticStyle<'_>,
         scene: &Scene,
     ) -> Result<Measurement> {
         let frame = self.frame(scene);
         let aovs = self.renderer.static_aovs(mesh, look, &self.numbers, &frame)?;
-        Ok(measure_drawn(scene, &frame.projection, &aovs))
+        Ok(measure_drawn(scene, &frame.camera, &aovs))
     }
 
     /// The corners of the triangles that a scene is drawn with.
@@ -312,7 +314,7 @@ impl Moving {
         let steps = place.min(2 * Self::WAY - place);
         let turn = DMat4::from_rotation_y(f64::from(steps) * 0.125_f64.to_radians());
         let mut frame = self.start;
-        frame.projection.view = turn * frame.projection.view;
+        frame.camera.view = turn * frame.camera.view;
         frame
     }
 }
@@ -421,13 +423,13 @@ mod tests {
     #[test]
     fn the_camera_never_rests_and_comes_back() {
         let scene = Scene::listing16();
-        let start = Frame { projection: scene.projection(8, 8), settings: scene.settings };
+        let start = Frame::of(&scene, (8, 8));
         let mut camera = Moving::new(start);
         let mut last = start;
         for number in 1..=32 {
             let next = camera.next();
-            assert!(next.projection.view != last.projection.view, "{number}");
-            assert_eq!(next.projection.view == start.projection.view, number % 16 == 0);
+            assert!(next.camera.view != last.camera.view, "{number}");
+            assert_eq!(next.camera.view == start.camera.view, number % 16 == 0);
             last = next;
         }
     }

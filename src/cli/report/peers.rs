@@ -4,12 +4,12 @@ mod glu;
 
 use std::collections::HashMap;
 
-use freeform_surface::gpu::DebugLog;
-use freeform_surface::measure::Timing;
-use freeform_surface::renderer::programs::TrimFeatures;
-use freeform_surface::renderer::{StaticLook, StaticMesh, StaticVertex};
+use freeform_surface::inspect::DrawnVertex;
+use freeform_surface::inspect::measure::Timing;
+use freeform_surface::inspect::programs::TrimFeatures;
+use freeform_surface::inspect::{StaticMesh, StaticStyle, StaticVertex};
 use freeform_surface::{
-    DrawnVertex, Error, Frame, Method, Result, Scene, Shading, Tessellation, Tolerance,
+    DebugLog, Error, Frame, Method, Result, Scene, Shading, Tessellation, Tolerance,
 };
 use glam::{DMat4, Vec3};
 
@@ -87,12 +87,12 @@ fn rows(
 ) -> Result<Vec<Row>> {
     let frame = lab.frame(scene);
     let corners = lab.triangles(scene)?;
-    let (vertices, indices) = indexed(&corners, frame.projection.view);
+    let (vertices, indices) = indexed(&corners, frame.camera.view);
     let gl = lab.gl();
     let still = StaticMesh::new(&gl, &vertices, &indices)?;
     let mut streamed = StaticMesh::new(&gl, &vertices, &indices)?;
     let texture = scene.surfaces[0].paint.upload(&gl)?;
-    let look = StaticLook {
+    let look = StaticStyle {
         method: Method::Exact,
         shading: Shading::Phong,
         trims: TrimFeatures::NONE,
@@ -147,7 +147,7 @@ fn fill(
 ) -> Result<()> {
     // It switches on and off what only old contexts have, though it draws nothing.
     let made =
-        DebugLog::unheard(gl, move || glu.tessellate(patches, &frame.projection, size, tolerance));
+        DebugLog::unheard(gl, move || glu.tessellate(patches, &frame.camera, size, tolerance));
     let made =
         made.map_err(|reason| Error::Driver { what: "libGLU's triangles".into(), reason })?;
     mesh.replace(&made.vertices, &made.indices)

@@ -1,7 +1,7 @@
 //! What is measured, as flat rows for programs.
 
 use freeform_surface::Method;
-use freeform_surface::measure::{Measurement, Timing};
+use freeform_surface::inspect::measure::{Measurement, Timing};
 use serde::Serialize;
 
 /// A spread above this share of the median is pointed out.

@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
-use freeform_surface::measure::{Timing, in_turns_by};
+use freeform_surface::inspect::HalfedgeMesh;
+use freeform_surface::inspect::measure::{Timing, in_turns_by};
 use freeform_surface::{
-    Corner, CreaseAngle, Degree, HalfedgeMesh, Mesh, Result, Scene, Segment, Smoothing, Surface,
-    TrimLoop,
+    Corner, CreaseAngle, Degree, Mesh, Result, Scene, Segment, Smoothing, Surface, TrimLoop,
 };
 use glam::{DVec3, DVec4, dvec2, dvec3};
 

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use freeform_surface::measure::Measurement;
-use freeform_surface::{AovKind, Method, NewtonTrims, Result, Scene};
+use freeform_surface::inspect::NewtonTrims;
+use freeform_surface::inspect::measure::Measurement;
+use freeform_surface::{AovKind, Method, Result, Scene};
 
 use super::lab::{Lab, Wrong};
 use super::row::{Row, name};

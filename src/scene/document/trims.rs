@@ -7,9 +7,8 @@ use super::{Builder, KeepName, line_of};
 use crate::error::{Error, Result};
 use crate::scene::tables::{CircleTable, EllipseTable, IntervalTable, TrimTable};
 use crate::scene::{svg, unreadable};
-use crate::trim::{
-    Circle, Ellipse, Interval, Keep, NewtonTrims, Segment, TrimLoop, TrimPath, Trims,
-};
+use crate::thesis::newton::NewtonTrims;
+use crate::trim::{Circle, Ellipse, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
 
 /// The trims of one table, and where they stand.
 pub(super) struct PlacedTrims {
@@ -62,7 +61,7 @@ impl Builder<'_> {
                 trims.circles.push(Circle::new(center.into(), radius)?);
             }
             (None, Some(IntervalTable { u, v }), None, None, None, None) => {
-                trims.intervals.push(Interval::new(u.into(), v.into())?);
+                trims.rects.push(Rect::new(u.into(), v.into())?);
             }
             (None, None, Some(EllipseTable { center, radii }), None, None, None) => {
                 trims.ellipses.push(Ellipse::new(center.into(), radii.into())?);

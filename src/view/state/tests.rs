@@ -67,7 +67,7 @@ fn every_action_of_the_table_does_something() {
             let on_mesh = matches!(action, Action::Phong | Action::Pn);
             let mut state = State::new(if on_mesh { mesh() } else { Scene::listing16() }, None);
             // Something to take back, and a camera to bring back.
-            press(&mut state, &[Action::Turn(1, 1), Action::Trim(TrimKind::Interval)]);
+            press(&mut state, &[Action::Turn(1, 1), Action::Trim(TrimKind::Rect)]);
             if *action == Action::Redo {
                 press(&mut state, &[Action::Undo]);
             }

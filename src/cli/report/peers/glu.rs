@@ -5,7 +5,7 @@
 use std::ffi::{c_float, c_int, c_uint, c_void};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use freeform_surface::renderer::StaticVertex;
+use freeform_surface::inspect::StaticVertex;
 use freeform_surface::{Degree, Scene, Surface, ViewProjection};
 use libloading::Library;
 

@@ -271,16 +271,16 @@ pub enum Output {
     Picture,
     /// Numbers for each pixel ([`crate::aov::Aovs`]).
     Aovs,
-    /// Nothing: the corners of its triangles are kept ([`crate::renderer::DrawnVertex`]).
+    /// Nothing: the corners of its triangles are kept (`DrawnVertex`).
     Triangles,
 }
 
-/// What is kept of the corners of triangles, in the order of [`crate::renderer::DrawnVertex`].
+/// What is kept of the corners of triangles, in the order of `DrawnVertex`.
 const KEPT: [&str; 5] = ["gl_Position", "position", "passNormal", "passTessCoord", "passPatch"];
 
 macro_rules! glsl {
     ($($file:literal),* $(,)?) => {
-        [$(($file, include_str!(concat!("../../glsl/", $file)))),*]
+        [$(($file, include_str!(concat!("../glsl/", $file)))),*]
     };
 }
 

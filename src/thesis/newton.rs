@@ -7,8 +7,8 @@
 
 use glam::DVec2;
 
-use super::{Keep, Segment, TrimLoop, Trims, inside_loops};
 use crate::error::{Error, Result};
+use crate::trim::{Keep, Segment, TrimLoop, Trims, inside_loops};
 
 /// How long Newton's method goes on (listing 10; figures 29–34 vary both numbers).
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,16 +1,20 @@
 //! A whole scene in the driver's memory.
 
+mod captures;
+mod multisample;
+
 use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use super::meshes::PreparedMesh;
-use super::points::{ControlPoints, LocalFrame};
-use super::programs::Output;
-use super::surface::PreparedSurface;
-use super::{DrawList, Frame, Renderer};
+pub use multisample::sample_offsets;
+
 use crate::error::Result;
-use crate::gpu::{Target, Texture};
+use crate::gpu::Texture;
+use crate::programs::Output;
+use crate::renderer::{
+    ControlPoints, DrawList, Frame, LocalFrame, PreparedMesh, PreparedSurface, Renderer,
+};
 use crate::scene::{Method, Paint, Scene, Surface};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats};
 
@@ -20,7 +24,7 @@ pub struct PreparedScene {
     surfaces: Vec<PreparedSurface>,
     meshes: Vec<PreparedMesh>,
     draw_list: DrawList,
-    figures: FrameStats,
+    stats: FrameStats,
 }
 
 impl PreparedScene {
@@ -60,43 +64,29 @@ impl PreparedScene {
         for model in &scene.meshes {
             meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
-        Ok(Self { surfaces, meshes, draw_list, figures: FrameStats::default() })
+        Ok(Self { surfaces, meshes, draw_list, stats: FrameStats::default() })
     }
 
-    pub(super) const fn for_draw_list(&mut self) -> (&mut Vec<PreparedSurface>, &mut DrawList) {
-        (&mut self.surfaces, &mut self.draw_list)
-    }
-
-    pub(super) fn draw_together(
+    fn draw_together(
         &mut self,
         renderer: &mut Renderer,
         frame: &Frame,
         output: Output,
     ) -> Result<()> {
         let (surfaces, draw_list) = (&mut self.surfaces, &mut self.draw_list);
-        let mut figures = renderer.draw_surfaces(surfaces, draw_list, frame, output)?;
-        self.update_meshes(renderer, frame)?;
-        for mesh in &self.meshes {
-            renderer.draw_mesh(mesh, frame, output, figures.patches, None)?;
-            figures.add(&mesh.stats());
+        let mut stats = renderer.draw_surfaces(surfaces, draw_list, frame, output)?;
+        for mesh in &mut self.meshes {
+            mesh.update(renderer, frame)?;
+            renderer.draw_mesh(mesh, frame, output, stats.patches, None)?;
+            stats.add(&mesh.stats());
         }
-        self.figures = figures;
+        self.stats = stats;
         Ok(())
-    }
-
-    pub(super) fn update_meshes(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
-        let target = Target::bound(renderer.gl());
-        let (gl, size) = (renderer.gl(), renderer.draw_size());
-        self.meshes.iter_mut().try_for_each(|mesh| mesh.update(gl, frame, &target, size))
-    }
-
-    pub(super) fn meshes(&self) -> &[PreparedMesh] {
-        &self.meshes
     }
 
     /// What the last drawing drew.
     pub const fn stats(&self) -> FrameStats {
-        self.figures
+        self.stats
     }
 
     /// The surfaces, to be changed between frames.
@@ -104,24 +94,20 @@ impl PreparedScene {
         &mut self.surfaces
     }
 
-    /// Builds and uploads what a frame needs in the present viewport, unless that is there already. Drawing
+    /// Builds and uploads what a frame needs, unless that is there already. Drawing
     /// does this by itself; call it to choose when.
     ///
     /// # Errors
     /// No memory, or loops that the frame's method cannot cut.
     pub fn prepare(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
-        let gl = renderer.gl();
         match frame.settings.method {
             Method::Thesis => self
                 .surfaces
                 .iter_mut()
-                .try_for_each(|surface| surface.upload_trims(gl, &frame.settings))?,
-            Method::Exact => {
-                let (size, draw_size) = (Target::bound(gl).size, renderer.draw_size());
-                self.draw_list.update(gl, &mut self.surfaces, frame, size, draw_size)?;
-            }
+                .try_for_each(|surface| surface.upload_trims(renderer.gl(), &frame.settings))?,
+            Method::Exact => self.draw_list.update(renderer, &mut self.surfaces, frame)?,
         }
-        self.update_meshes(renderer, frame)
+        self.meshes.iter_mut().try_for_each(|mesh| mesh.update(renderer, frame))
     }
 
     /// Clears the bound framebuffer and draws the scene into it; says what was drawn.
@@ -140,7 +126,7 @@ impl PreparedScene {
                 renderer.draw_control_points(surface, frame)?;
             }
         }
-        Ok(self.figures)
+        Ok(self.stats)
     }
 }
 

@@ -8,10 +8,12 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 use crate::bezier::Degree;
 use crate::error::{Error, Result};
 use crate::gpu::Texture;
-use crate::renderer::{DrawList, Frame, PreparedSurface, Renderer, programs::Output};
+use crate::programs::Output;
+use crate::renderer::{DrawList, Frame, PreparedSurface, Renderer};
 use crate::scene::{Cull, RenderSettings, Shading, Surface, default_control_points};
 use crate::tessellation::FrameStats;
-use crate::trim::{Circle, Ellipse, Interval, Keep, Segment, TrimLoop, Trims, holds};
+use crate::thesis::newton::holds;
+use crate::trim::{Circle, Ellipse, Keep, Rect, Segment, TrimLoop, Trims};
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
@@ -78,13 +80,13 @@ impl FreeFormSurface {
     /// method cannot cut.
     pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameStats> {
         let surfaces = std::slice::from_mut(&mut self.prepared);
-        let figures =
+        let stats =
             renderer.draw_surfaces(surfaces, &mut self.draw_list, frame, Output::Picture)?;
         // Squares lie on top of everything.
         if frame.settings.control_points {
             renderer.draw_control_points(&self.prepared, frame)?;
         }
-        Ok(figures)
+        Ok(stats)
     }
 
     /// Builds and uploads what drawing with these settings needs for the trims, unless that is there
@@ -145,14 +147,14 @@ impl FreeFormSurface {
         self.prepared.trims_mut().circles_on = false;
     }
 
-    /// Switches the intervals on.
+    /// Switches the rectangles on.
     pub fn enable_interval_trimming(&mut self) {
-        self.prepared.trims_mut().intervals_on = true;
+        self.prepared.trims_mut().rects_on = true;
     }
 
-    /// Switches the intervals off; they are kept.
+    /// Switches the rectangles off; they are kept.
     pub fn disable_interval_trimming(&mut self) {
-        self.prepared.trims_mut().intervals_on = false;
+        self.prepared.trims_mut().rects_on = false;
     }
 
     /// Switches the ellipses on.
@@ -185,13 +187,13 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Makes this the one interval.
+    /// Makes this the one rectangle.
     ///
     /// # Errors
     /// Bounds that are not finite or not in order.
     pub fn interval_trimming(&mut self, u: DVec2, v: DVec2) -> Result<()> {
-        let intervals = vec![Interval::new(u, v)?];
-        self.prepared.trims_mut().intervals = intervals;
+        let rects = vec![Rect::new(u, v)?];
+        self.prepared.trims_mut().rects = rects;
         Ok(())
     }
 
@@ -260,13 +262,13 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Adds an interval to those that are there.
+    /// Adds a rectangle to those that are there.
     ///
     /// # Errors
-    /// What [`Interval::new`] refuses; the surface stays as it was.
-    pub fn add_interval(&mut self, interval: Interval) -> Result<()> {
-        let added = Interval::new(interval.u, interval.v)?;
-        self.prepared.trims_mut().intervals.push(added);
+    /// What [`Rect::new`] refuses; the surface stays as it was.
+    pub fn add_rect(&mut self, rect: Rect) -> Result<()> {
+        let added = Rect::new(rect.u, rect.v)?;
+        self.prepared.trims_mut().rects.push(added);
         Ok(())
     }
 
@@ -281,7 +283,7 @@ impl FreeFormSurface {
     }
 
     /// Adds a loop to those that are there; one inside another is an island. The exact method takes
-    /// every loop; [`Method::Thesis`](crate::scene::Method::Thesis) draws those that [`NewtonTrims`](crate::trim::NewtonTrims) takes.
+    /// every loop; [`Method::Thesis`](crate::scene::Method::Thesis) draws those that `inspect::NewtonTrims` takes.
     ///
     /// # Errors
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.
@@ -301,7 +303,7 @@ impl FreeFormSurface {
     pub fn clear_trims(&mut self) {
         let trims = self.prepared.trims_mut();
         trims.circles.clear();
-        trims.intervals.clear();
+        trims.rects.clear();
         trims.ellipses.clear();
         trims.loops.clear();
         trims.paths.clear();

@@ -3,10 +3,11 @@
 
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
-use super::{Frame, PreparedScene, Renderer};
+use super::PreparedScene;
 use crate::camera::ViewProjection;
 use crate::error::{Error, Result};
 use crate::gpu::{DriverInfo, Framebuffer, Gl};
+use crate::renderer::{Frame, Renderer};
 use crate::scene::{Image, Samples};
 
 impl Framebuffer {
@@ -73,9 +74,9 @@ impl PreparedScene {
         let mut sums = vec![0.0_f32; 4 * width as usize * height as usize];
         let samples = frame.settings.samples;
         for (done, offset) in (1..).zip(sample_offsets(samples)) {
-            let projection = moved(&frame.projection, -offset, (width, height));
+            let camera = moved(&frame.camera, -offset, (width, height));
             target.bind();
-            let _ = self.draw(renderer, &Frame { projection, settings: frame.settings })?;
+            let _ = self.draw(renderer, &Frame { camera, ..*frame })?;
             for (sum, byte) in sums.iter_mut().zip(target.read().as_raw()) {
                 *sum += f32::from(*byte);
             }
@@ -111,10 +112,10 @@ pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
 }
 
 /// The same view, its picture moved by so many pixels to the right and up.
-fn moved(projection: &ViewProjection, by_px: DVec2, (width, height): (u32, u32)) -> ViewProjection {
+fn moved(camera: &ViewProjection, by_px: DVec2, (width, height): (u32, u32)) -> ViewProjection {
     let shift = 2.0 * by_px / dvec2(width.into(), height.into());
     let to_clip = DMat4::from_translation(dvec3(shift.x, shift.y, 0.0));
-    ViewProjection { view: projection.view, projection: to_clip * projection.projection }
+    ViewProjection { view: camera.view, projection: to_clip * camera.projection }
 }
 
 /// Colours times alpha back to colours; where nothing is drawn, to the background's.

@@ -1,0 +1,103 @@
+//! The pipeline of a frame, for patches and for triangles of meshes: a plan that holds until its key changes, its
+//! patches divided into draws, and the loop that makes the draws.
+#![allow(unsafe_code, reason = "drawing is unsafe in glow")]
+
+use glam::UVec2;
+use glow::HasContext;
+
+use super::capture::{DrawnVertex, Feedback};
+use super::{Frame, Renderer};
+use crate::camera::ViewProjection;
+use crate::error::Result;
+use crate::scene::Tessellation;
+use crate::tessellation::{DrawSize, patches_of_next_draw};
+
+/// What a plan was made for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PlanKey {
+    pub(super) camera: ViewProjection,
+    /// Width and height in pixels.
+    pub(super) size: UVec2,
+    pub(super) tessellation: Tessellation,
+}
+
+impl PlanKey {
+    pub(super) fn new(frame: &Frame, tessellation: Tessellation) -> Self {
+        Self { camera: frame.camera, size: frame.viewport.pixels(), tessellation }
+    }
+}
+
+/// One draw call: a run of patches that have everything but their vertices in common.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Draw {
+    /// The number of what they have in common.
+    pub(super) batch: usize,
+    /// The first patch.
+    pub(super) first: usize,
+    /// How many patches.
+    pub(super) count: usize,
+    /// How many triangles the tessellator makes of them.
+    pub(super) triangles: u64,
+}
+
+/// Vertices and triangles that the tessellator makes of a patch; none of one that is not drawn.
+pub(super) trait Tessellated {
+    fn vertices(&self) -> u32;
+    fn triangles(&self) -> u64;
+}
+
+/// Divides the patches of a batch into draws as large as the driver likes; `first` is the number of the first
+/// patch. Draws begin and end with a patch that is drawn.
+pub(super) fn divide<T: Tessellated>(
+    patches: &[T],
+    first: usize,
+    batch: usize,
+    size: DrawSize,
+    draws: &mut Vec<Draw>,
+) {
+    let is_drawn = |patch: &T| patch.vertices() > 0;
+    let mut begin = 0;
+    while let Some(next) = patches[begin..].iter().position(is_drawn) {
+        begin += next;
+        let rest = &patches[begin..];
+        let fitting = patches_of_next_draw(rest.iter().map(T::vertices), size);
+        let count = rest[..fitting].iter().rposition(is_drawn).map_or(fitting, |last| last + 1);
+        let triangles = rest[..count].iter().map(T::triangles).sum();
+        draws.push(Draw { batch, first: first + begin, count, triangles });
+        begin += count;
+    }
+}
+
+impl Renderer {
+    /// Makes draws of patches with so many vertices each. `bind` binds what a batch needs, and is called when
+    /// another batch begins. The triangles go to `captured`, if it is given, and else into the framebuffer.
+    pub(super) fn make_draws(
+        &self,
+        draws: &[Draw],
+        patch_vertices: usize,
+        mut bind: impl FnMut(usize),
+        mut captured: Option<&mut Vec<DrawnVertex>>,
+    ) -> Result<()> {
+        let mut bound = None;
+        for draw in draws {
+            if bound.replace(draw.batch) != Some(draw.batch) {
+                bind(draw.batch);
+            }
+            let feedback = match captured {
+                Some(_) => Some(
+                    Feedback::begin(self.gl(), draw.triangles).inspect_err(|_| self.release())?,
+                ),
+                None => None,
+            };
+            let [first, count] = [draw.first, draw.count].map(|n| (n * patch_vertices) as i32);
+            // SAFETY: the context is current (see the renderer); the range lies within the buffer that `bind`
+            // has bound, whose bytes fit an i32 since it was made.
+            unsafe { self.gl().draw_arrays(glow::PATCHES, first, count) }
+            if let (Some(feedback), Some(captured)) = (feedback, captured.as_deref_mut()) {
+                feedback.end(captured);
+            }
+        }
+        self.release();
+        Ok(())
+    }
+}

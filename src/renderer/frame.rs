@@ -1,0 +1,81 @@
+//! One picture: from where, how large, how.
+
+use glam::{IVec2, UVec2, Vec4};
+use glow::HasContext;
+
+use crate::camera::ViewProjection;
+use crate::gpu::Gl;
+use crate::scene::{RenderSettings, Scene};
+
+/// Everything that is the same for all surfaces of one picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    /// From where the picture is seen.
+    pub camera: ViewProjection,
+    /// Where the picture lies in the bound framebuffer. Drawing sets it.
+    pub viewport: Viewport,
+    /// How the picture is drawn.
+    pub settings: RenderSettings,
+}
+
+impl Frame {
+    /// A frame of the given width and height in pixels, or in a [`Viewport`].
+    #[must_use]
+    pub fn new(
+        camera: ViewProjection,
+        viewport: impl Into<Viewport>,
+        settings: RenderSettings,
+    ) -> Self {
+        Self { camera, viewport: viewport.into(), settings }
+    }
+
+    /// A frame of a scene as the scene asks for it: its settings, and its camera or one that sees all of it.
+    #[must_use]
+    pub fn of(scene: &Scene, viewport: impl Into<Viewport>) -> Self {
+        let viewport = viewport.into();
+        let camera = scene.projection(viewport.size.x, viewport.size.y);
+        Self { camera, viewport, settings: scene.settings }
+    }
+}
+
+/// A rectangle of pixels of a framebuffer, as `glViewport` has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Viewport {
+    /// Its first pixel, from the lower left corner of the framebuffer.
+    pub origin: IVec2,
+    /// Width and height in pixels. 0 is taken as 1.
+    pub size: UVec2,
+}
+
+impl From<(u32, u32)> for Viewport {
+    /// Width and height of a picture that begins at the first pixel.
+    fn from((width, height): (u32, u32)) -> Self {
+        Self::from(UVec2::new(width, height))
+    }
+}
+
+impl From<UVec2> for Viewport {
+    fn from(size: UVec2) -> Self {
+        Self { origin: IVec2::ZERO, size }
+    }
+}
+
+impl Viewport {
+    /// Width and height, at least 1.
+    pub(super) fn pixels(&self) -> UVec2 {
+        self.size.max(UVec2::ONE)
+    }
+
+    /// As `common/aov.frag` has it: the first pixel, half of the width and height.
+    pub(super) fn origin_and_half(&self) -> Vec4 {
+        let (first, half) = (self.origin.as_vec2(), 0.5 * self.pixels().as_vec2());
+        Vec4::new(first.x, first.y, half.x, half.y)
+    }
+
+    /// Makes it the context's.
+    pub(super) fn set(&self, gl: &Gl) {
+        let (first, size) = (self.origin, self.pixels().as_ivec2());
+        // SAFETY: the context is current (see the renderer).
+        unsafe { gl.viewport(first.x, first.y, size.x, size.y) }
+    }
+}

@@ -1,0 +1,75 @@
+//! Draws of the exact method: parts of patches.
+
+use super::capture::DrawnVertex;
+use super::draw_list::{Batch, DrawList};
+use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
+use super::{Frame, PreparedSurface, Renderer, in_lines};
+use crate::error::Result;
+use crate::gpu::samples_of_target;
+use crate::programs::{CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT};
+use crate::scene::Shading;
+
+impl Renderer {
+    /// Draws what an up-to-date list holds: parts that are wholly kept without the trims' code, those that may be
+    /// cut with it. The triangles go to `captured`, if it is given.
+    pub(crate) fn draw_patches(
+        &mut self,
+        surfaces: &[PreparedSurface],
+        draw_list: &DrawList,
+        frame: &Frame,
+        output: Output,
+        captured: Option<&mut Vec<DrawnVertex>>,
+    ) -> Result<()> {
+        let Some(parts) = draw_list.parts() else { return Ok(()) };
+        let settings = &frame.settings;
+        let samples = samples_of_target(self.gl());
+        let key = |batch: &Batch| ProgramKey {
+            pipeline: Pipeline::Exact {
+                degree: batch.degree,
+                samples,
+                patches: batch.patches,
+                shared: batch.shared,
+                normals: settings.normals,
+            },
+            shading: if in_lines(settings, output) { Shading::Unlit } else { batch.shading },
+            trims: batch.trims,
+            output,
+            cut_out: output == Output::Picture
+                && !in_lines(settings, output)
+                && surfaces[batch.surface].texture().has_holes(),
+            far_depth: frame.camera.depth_scale().is_some(),
+        };
+        // Before anything is bound: a program may be refused.
+        for batch in draw_list.drawn_batches() {
+            self.program(key(batch))?;
+        }
+        let this = &*self;
+        let bind = |batch: usize| {
+            let batch = &draw_list.batches()[batch];
+            let surface = &surfaces[batch.surface];
+            let program = &this.programs[&key(batch)];
+            program.bind();
+            set_depth(program, frame);
+            let (shading, texture) = this.style(batch.shading, surface.texture(), settings, output);
+            match output {
+                Output::Aovs => set_aovs(program, frame),
+                _ if shading == Shading::Phong => set_lights(program, frame),
+                _ => {}
+            }
+            if batch.trims.any()
+                && let Some(trims) = &surface.uploaded_trims().exact
+            {
+                trims.bind();
+            }
+            texture.bind(0);
+            surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
+            match draw_list.matrices().filter(|_| batch.shared) {
+                Some(matrices) => matrices.bind(SURFACES_UNIT),
+                None => set_columns(program, draw_list.columns(batch.surface), 1.0),
+            }
+            this.set_state(frame, 1, settings.wireframe);
+            this.parts_array.bind(parts);
+        };
+        self.make_draws(draw_list.draws(), 1, bind, captured)
+    }
+}

@@ -1,0 +1,51 @@
+//! Uniforms that programs of several kinds share.
+
+use glam::{DMat4, Mat4, Vec4};
+
+use super::Frame;
+use crate::camera::ViewProjection;
+use crate::gpu::Program;
+use crate::programs::location;
+
+/// Sets where the lights stand, in view space.
+pub(crate) fn set_lights(program: &Program, frame: &Frame) {
+    let [first, second] = frame.settings.light.positions(&frame.camera);
+    program.set_vec3(location::LIGHT_POSITION, first.as_vec3());
+    program.set_vec3(location::LIGHT_POSITION_2, second.as_vec3());
+}
+
+/// Sets what the distance becomes a depth by, if depth is written so.
+pub(crate) fn set_depth(program: &Program, frame: &Frame) {
+    if let Some(scale) = frame.camera.depth_scale() {
+        program.set_f32(location::DEPTH_SCALE, scale as f32);
+    }
+}
+
+/// Sets what AOVs need: the way to world space, and the viewport.
+pub(crate) fn set_aovs(program: &Program, frame: &Frame) {
+    let to_world = frame.camera.view.inverse().as_mat4();
+    program.set_mat4(location::VIEW_TO_WORLD, &to_world);
+    program.set_vec4(location::VIEWPORT, frame.viewport.origin_and_half());
+}
+
+/// Sets the matrices of one surface or mesh by their columns ([`super::draw_list::matrices`]). Its normals are turned
+/// round where `sign` is −1.
+pub(super) fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
+    let matrix = |first: usize| {
+        let [x, y, z, w] = [0, 1, 2, 3].map(|i| columns[first + i]);
+        Mat4::from_cols(x, y, z, w)
+    };
+    program.set_mat4(location::TO_CLIP, &matrix(0));
+    program.set_mat4(location::TO_VIEW, &matrix(4));
+    program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
+}
+
+/// Sets the listings' matrices. Their world begins at the eye: what is far from the origin would lose its digits
+/// in `f32` else.
+pub(crate) fn set_matrices(program: &Program, model: &DMat4, camera: &ViewProjection) {
+    let eye = camera.view.inverse().w_axis.truncate();
+    let to_eye = DMat4::from_translation(-eye);
+    program.set_mat4(location::MODEL, &(to_eye * *model).as_mat4());
+    program.set_mat4(location::VIEW, &(camera.view * DMat4::from_translation(eye)).as_mat4());
+    program.set_mat4(location::PROJECTION, &camera.for_driver().as_mat4());
+}
