@@ -104,8 +104,8 @@ fn steps() {
         );
         nanoseconds.push(each(whole));
     }
-    let most = nanoseconds.iter().copied().fold(0.0, f64::max);
-    let ratio = most / nanoseconds[0];
+    let max = nanoseconds.iter().copied().fold(0.0, f64::max);
+    let ratio = max / nanoseconds[0];
     line("dearest time a triangle / that of the smallest mesh", ratio, "linear: about 1");
 }
 

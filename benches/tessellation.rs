@@ -19,7 +19,7 @@ use turns::{in_turns, line};
 
 const SIDE: u32 = 1024;
 /// Triangles of the largest static mesh.
-const MOST_TRIANGLES: usize = 2_000_000;
+const MAX_TRIANGLES: usize = 2_000_000;
 
 /// The normal, crossed v first as in the thesis.
 fn exact_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
@@ -107,7 +107,7 @@ fn static_meshes(gl: &Gl) {
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     for patches in [1, 64, 1024, 10_000] {
         for cells in [1, 4, 8, 16, 32, 64] {
-            if 2 * patches * (cells * cells) as usize > MOST_TRIANGLES {
+            if 2 * patches * (cells * cells) as usize > MAX_TRIANGLES {
                 continue;
             }
             let mut scene = field(patches);

@@ -40,14 +40,14 @@ fn hole(center: DVec2, radius: f64) -> TrimLoop {
 }
 
 /// `count` cubics as holes in rows, over a square of the domain.
-fn lace(count: usize, least: DVec2, side: f64) -> Vec<TrimLoop> {
+fn lace(count: usize, min: DVec2, side: f64) -> Vec<TrimLoop> {
     let holes = count / 4;
     let columns = (holes as f64).sqrt().ceil() as usize;
     let step = side / columns as f64;
     (0..holes)
         .map(|i| {
             let cell = dvec2((i % columns) as f64, (i / columns) as f64) + 0.5;
-            hole(least + cell * step, 0.35 * step)
+            hole(min + cell * step, 0.35 * step)
         })
         .collect()
 }

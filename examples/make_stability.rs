@@ -57,11 +57,11 @@ fn lens(u: f64, v: f64, half_width: f64, half_height: f64) -> String {
 }
 
 /// A trim of lenses over a square of the domain that begins at (least, least).
-fn crowd(least: f64, size: f64) -> String {
+fn crowd(min: f64, size: f64) -> String {
     let step = size / f64::from(SIDE);
     let mut trim = String::from("\n[[surface.trim]]\npath = \"\"\"\n");
     for (row, column) in (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column))) {
-        let center = |i: u32| least + (f64::from(i) + 0.5) * step;
+        let center = |i: u32| min + (f64::from(i) + 0.5) * step;
         let height = 0.3 * (1.0 + 0.3 * f64::from(column + 2 * row).sin());
         let lens = lens(center(column), center(row), 0.4 * step, height * step);
         let _ = writeln!(trim, "{lens}");

@@ -243,11 +243,11 @@ impl Camera {
             (nearest, farthest) = (0.1, 10.0);
         }
         // A flat scene still needs some depth between its planes.
-        let least = match self.lens {
+        let min = match self.lens {
             Lens::Perspective { .. } => farthest.abs().max(f64::from(f32::MIN_POSITIVE)),
             Lens::Orthographic { height } => farthest.abs().max(height),
         };
-        let size = (farthest - nearest).max(1e-3 * least);
+        let size = (farthest - nearest).max(1e-3 * min);
         let in_front = nearest;
         let (nearest, farthest) = (nearest - 0.01 * size, farthest + 0.01 * size);
         let projection = match self.lens {

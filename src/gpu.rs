@@ -108,14 +108,14 @@ fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {
 }
 
 /// The two sides of a picture as the driver counts them.
-fn checked_size(name: &str, (width, height): (u32, u32), most: i32) -> Result<[i32; 2]> {
-    let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=most).contains(size));
+fn checked_size(name: &str, (width, height): (u32, u32), max: i32) -> Result<[i32; 2]> {
+    let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=max).contains(size));
     match (side(width), side(height)) {
         (Some(width), Some(height)) => Ok([width, height]),
         _ => Err(Error::invalid(
             name,
             format!("{width}x{height}"),
-            format!("1 to {most} pixels a side with this driver"),
+            format!("1 to {max} pixels a side with this driver"),
         )),
     }
 }

@@ -120,12 +120,12 @@ fn is_hidden(reference: &Coverage, shown: f64, [x, y]: [u32; 2]) -> bool {
     let at = |x: u32, y: u32| (y * width + x) as usize;
     let around = (y.saturating_sub(2)..(y + 3).min(height))
         .flat_map(|y| (x.saturating_sub(2)..(x + 3).min(width)).map(move |x| (x, y)));
-    let (least, most) = around
+    let (min, max) = around
         .map(|(x, y)| reference.distances[at(x, y)])
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), distance| {
-            (least.min(distance), most.max(distance))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), distance| {
+            (min.min(distance), max.max(distance))
         });
-    shown - most > most - least + MARGIN * most.abs()
+    shown - max > max - min + MARGIN * max.abs()
 }
 
 /// Measures what is drawn in a picture of a scene, as [`measure()`] does, but not what is missing: without

@@ -201,11 +201,11 @@ fn samples_smooth_edges_and_the_method_can_be_chosen() {
         assert!(output.status.success(), "{output:?}");
         image::open(folder.path("a.png")).unwrap().into_rgba8()
     };
-    for (samples, least) in [("1", 0), ("4", 40), ("16", 80), ("64", 100)] {
+    for (samples, min) in [("1", 0), ("4", 40), ("16", 80), ("64", 100)] {
         let image = picture(samples);
         let partly: Vec<_> =
             image.pixels().filter(|pixel| !matches!(pixel.0[3], 0 | 255)).collect();
-        assert!(partly.len() >= least && (least > 0 || partly.is_empty()), "{samples}");
+        assert!(partly.len() >= min && (min > 0 || partly.is_empty()), "{samples}");
         // What is partly covered keeps the colour of what covers it.
         for pixel in partly {
             let [red, green, blue, _] = pixel.0;

@@ -203,13 +203,13 @@ fn no_memory_is_one_error_that_names_the_object() {
 fn storage_beyond_the_drivers_limit_is_refused() {
     let context = Checked::new(backends()[0]);
     // SAFETY: the context is current; the parameter exists since OpenGL 4.3.
-    let most = unsafe { context.gl().get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
-    if most > 1 << 30 {
-        eprintln!("this driver's storage buffers hold {most} bytes: too many to try");
+    let max = unsafe { context.gl().get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
+    if max > 1 << 30 {
+        eprintln!("this driver's storage buffers hold {max} bytes: too many to try");
         return;
     }
-    let values = vec![0_u32; most as usize / 4 + 1];
+    let values = vec![0_u32; max as usize / 4 + 1];
     let error = Buffer::for_storage(context.gl(), "trim points", &values).unwrap_err().to_string();
-    assert!(error.contains("trim points") && error.contains(&most.to_string()), "{error}");
+    assert!(error.contains("trim points") && error.contains(&max.to_string()), "{error}");
     assert!(Buffer::for_storage(context.gl(), "trim points", &values[..4]).is_ok());
 }

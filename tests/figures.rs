@@ -34,7 +34,7 @@ const SMALL: UVec2 = UVec2::new(250, 150);
 /// The size of the command line's pictures.
 const LARGE: UVec2 = UVec2::new(1000, 600);
 /// Pixels that speckles between pixels may account for in one picture: 1 in 20,000 of the large ones.
-const MOST_EXCUSED: usize = 30;
+const MAX_EXCUSED: usize = 30;
 
 fn is_textured(scene: &Scene) -> bool {
     scene.surfaces.iter().any(|surface| matches!(surface.paint, Paint::Texture(_)))
@@ -68,7 +68,7 @@ fn left_out(scene: &Scene, picture: &Picture) -> Vec<bool> {
 fn check(name: &str, scene: &Scene, picture: &Picture, expected: &Image, actual: &Image) {
     let mut left_out = left_out(scene, picture);
     let excused = excuse_speckles(scene, picture, actual, &mut left_out, tolerance(scene));
-    assert!(excused <= MOST_EXCUSED, "{name}: {excused} pixels only explained by speckles");
+    assert!(excused <= MAX_EXCUSED, "{name}: {excused} pixels only explained by speckles");
     assert_same(name, expected, actual, &left_out, tolerance(scene));
 }
 

@@ -17,8 +17,8 @@ fn load(name: &str) -> Mesh {
 }
 
 fn methods() -> [Smoothing; 3] {
-    let most = Alpha::new(1.0).unwrap();
-    [Smoothing::Pn, Smoothing::Phong(Alpha::default()), Smoothing::Phong(most)]
+    let max = Alpha::new(1.0).unwrap();
+    [Smoothing::Pn, Smoothing::Phong(Alpha::default()), Smoothing::Phong(max)]
 }
 
 fn corners(mesh: &Mesh, triangle: &[Corner; 3]) -> [DVec3; 3] {
@@ -94,16 +94,16 @@ fn holds(name: &str, open: usize) -> Mesh {
 fn a_triangle_of_no_area() {
     let mesh = holds("zero-area", 0);
     let area = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]).length();
-    let least = mesh.triangles().iter().map(|t| area(corners(&mesh, t))).fold(1.0, f64::min);
-    assert!(least < 1e-15, "{least}");
+    let min = mesh.triangles().iter().map(|t| area(corners(&mesh, t))).fold(1.0, f64::min);
+    assert!(min < 1e-15, "{min}");
 }
 
 #[test]
 fn a_needle() {
     let mesh = holds("needle", 0);
     let height = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]).length() / longest(p);
-    let least = mesh.triangles().iter().map(|t| height(corners(&mesh, t))).fold(1.0, f64::min);
-    assert!((least - 1e-6).abs() < 1e-9, "{least}");
+    let min = mesh.triangles().iter().map(|t| height(corners(&mesh, t))).fold(1.0, f64::min);
+    assert!((min - 1e-6).abs() < 1e-9, "{min}");
 }
 
 #[test]

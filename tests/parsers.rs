@@ -12,7 +12,7 @@ use glam::vec2;
 use proptest::prelude::*;
 
 static NOW: AtomicUsize = AtomicUsize::new(0);
-static MOST: AtomicUsize = AtomicUsize::new(0);
+static MAX: AtomicUsize = AtomicUsize::new(0);
 /// The counters are the process's, so measurements take turns.
 static TURN: Mutex<()> = Mutex::new(());
 
@@ -22,7 +22,7 @@ struct Counting;
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        MOST.fetch_max(now, Ordering::Relaxed);
+        MAX.fetch_max(now, Ordering::Relaxed);
         // SAFETY: as the caller promised.
         unsafe { System.alloc(layout) }
     }
@@ -40,9 +40,9 @@ static ALLOCATOR: Counting = Counting;
 /// Bytes that `work` held at most, beyond what was there before.
 fn most_memory(work: impl FnOnce()) -> usize {
     let before = NOW.load(Ordering::Relaxed);
-    MOST.store(before, Ordering::Relaxed);
+    MAX.store(before, Ordering::Relaxed);
     work();
-    MOST.load(Ordering::Relaxed) - before
+    MAX.load(Ordering::Relaxed) - before
 }
 
 fn parse(text: &str) {
@@ -213,7 +213,7 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
             "[[surface]]\ncontrol_points=\"default\"\n[[surface.trim]]\npath=\"M0 0{commands}z\"\n"
         )
     };
-    let mut most = 0;
+    let mut max = 0;
     for (name, text) in [
         ("numbers", filled("1 ")),
         ("many patches", format!("{count}\n{}", patch.repeat(count))),
@@ -255,9 +255,9 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         let toml = most_memory(|| drop(Scene::from_toml(&text, Path::new("x.toml"))));
         let bpt = most_memory(|| drop(Scene::from_bpt(&text, Path::new("x.bpt"))));
         println!("{name}: {} MiB as .toml, {} MiB as .bpt", toml / MIB, bpt / MIB);
-        most = most.max(toml).max(bpt);
+        max = max.max(toml).max(bpt);
     }
-    assert!(most <= 64 * MIB, "{most} bytes");
+    assert!(max <= 64 * MIB, "{max} bytes");
     // An arc is up to 20 cubics, a subpath of one line a loop of two: both are more than their text.
     for piece in ["a9 9 0 1 1 1 9", "a9e14 9e14 0 1 1 9 9e14", "zh1"] {
         let text = in_path(&piece.repeat(MIB / piece.len() - 100));
@@ -283,8 +283,8 @@ fn a_mesh_takes_few_bytes_a_triangle() {
         }
         let path = Path::new("x.obj");
         let crease = CreaseAngle::default();
-        let most = most_memory(|| drop(Mesh::read_obj(text.as_bytes(), path, crease).unwrap()));
-        let each = most / (2 * side * side);
+        let max = most_memory(|| drop(Mesh::read_obj(text.as_bytes(), path, crease).unwrap()));
+        let each = max / (2 * side * side);
         println!("{side}: {each} bytes a triangle");
         // The mesh itself takes some 80; its neighbours and normals in the making the rest.
         assert!(each <= 180, "{each} bytes for each of {} triangles", 2 * side * side);

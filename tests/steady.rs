@@ -166,17 +166,17 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     let frame = Frame::of(&teapot, (64, 64));
     let mut pulled = PreparedScene::new(&renderer, &teapot).unwrap();
     let _ = pulled.draw(&mut renderer, &frame).unwrap();
-    let mut most = 0;
+    let mut max = 0;
     for (patch, points) in teapot.surfaces[0].control_points().chunks(16).enumerate() {
         for height in [0.3, 0.0] {
             let bytes = BYTES.load(Relaxed);
             let point = points[5] + height * DVec4::Y;
             pulled.surfaces_mut()[0].set_control_point(point, 16 * patch + 5).unwrap();
             let _ = pulled.draw(&mut renderer, &frame).unwrap();
-            most = most.max(BYTES.load(Relaxed) - bytes);
+            max = max.max(BYTES.load(Relaxed) - bytes);
         }
     }
-    assert!((16 + 32..=16 + 5 * 32).contains(&most), "{most}");
+    assert!((16 + 32..=16 + 5 * 32).contains(&max), "{max}");
     // Within a tolerance it may be cut more finely than before; still no buffer is made.
     let mut scene = Scene::listing16();
     scene.settings.tessellation = Tessellation::Within(Tolerance::new(0.1).unwrap());

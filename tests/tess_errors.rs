@@ -15,9 +15,9 @@ use common::tess::{Random, Stage, at_level, is_long, scene_of, turned, within};
 use common::{figures, load, root};
 
 /// Degrees that a normal may be off.
-const MOST_DEGREES: f64 = 0.1;
+const MAX_DEGREES: f64 = 0.1;
 /// Degrees that it may be off where the surface has only a limit.
-const MOST_DEGREES_OF_LIMIT: f64 = 2.0;
+const MAX_DEGREES_OF_LIMIT: f64 = 2.0;
 
 /// A patch with the length of its longest tangent, in world space without a transform.
 struct Truth<'a> {
@@ -99,7 +99,7 @@ fn check_normals(
         let truth = patches[patch].normal(u, v);
         if let Some(truth) = truth {
             let off = degrees(normal, truth);
-            assert!(off <= MOST_DEGREES, "{name}: patch {patch}, {uv:?}: {off} degrees");
+            assert!(off <= MAX_DEGREES, "{name}: patch {patch}, {uv:?}: {off} degrees");
         }
         truth.is_some()
     };
@@ -134,7 +134,7 @@ fn check_normals(
             for vertex in drawn.iter().filter(at_corner) {
                 let off = degrees(normal_of(vertex), limit);
                 let what = format!("{name}: corner ({u}, {v}) of patch {patch}: {off} degrees");
-                assert!(off <= MOST_DEGREES_OF_LIMIT, "{what}");
+                assert!(off <= MAX_DEGREES_OF_LIMIT, "{what}");
             }
             count.corners += usize::from(drawn.iter().any(|vertex| at_corner(&vertex)));
         }
@@ -228,7 +228,7 @@ fn normals_just_short_of_where_they_vanish() {
             // Vertices' normals are Sv × Su in view space.
             let normal = to_world * -DVec3::from_array(vertex.normal.map(f64::from));
             let off = degrees(normal, patch.normal(u, v).unwrap());
-            assert!(off <= MOST_DEGREES, "turn {turn}, ({u}, {v}): {off} degrees");
+            assert!(off <= MAX_DEGREES, "turn {turn}, ({u}, {v}): {off} degrees");
         }
         assert!(short >= 9, "turn {turn}: {short}");
     }
@@ -280,7 +280,7 @@ fn every_scene_is_within_its_tolerance_from_everywhere() {
                     bad_values,
                     ..
                 } = found;
-                let right = max_error_px <= tolerance && normal_error_deg <= MOST_DEGREES;
+                let right = max_error_px <= tolerance && normal_error_deg <= MAX_DEGREES;
                 // Triangles are near the surface on the screen; in depth two of them may change places.
                 let hidden = 1000 * hidden_pixels > found.covered;
                 if !right || crack_pixels + bad_values > 0 || hidden {

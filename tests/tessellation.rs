@@ -73,13 +73,13 @@ fn segments(corners: &[&[DrawnVertex; 3]], side: Side, weight: f32) -> BTreeSet<
 /// Whether a line is seen: reaches into the view's frustum by more than the tolerance. What lies
 /// beside one need not be drawn.
 fn is_seen(ends: [&DrawnVertex; 2]) -> bool {
-    const LEAST: f64 = 1.0 - 2e-3;
+    const MIN: f64 = 1.0 - 2e-3;
     let mut seen = [0.0_f64, 1.0];
     for axis in 0..3 {
         for sign in [-1.0, 1.0] {
             let [a, b] = ends.map(|end| {
                 let [w, x] = [end.clip[3], end.clip[axis]].map(f64::from);
-                LEAST * w - sign * x
+                MIN * w - sign * x
             });
             let crossing = a / (a - b);
             match (a > 0.0, b > 0.0) {
@@ -195,8 +195,8 @@ fn patches_of_the_teapot_meet_bit_for_bit() {
             let all = triangles.iter().copied().flatten().map(|corner| corner.uv[0].to_bits());
             all.collect::<BTreeSet<u32>>().len()
         };
-        let most = by_patch(&drawn).values().map(places).max();
-        in_parts += usize::from(most > Some(65));
+        let max = by_patch(&drawn).values().map(places).max();
+        in_parts += usize::from(max > Some(65));
     }
     assert!(in_parts >= 2, "no patch was near enough to be drawn in parts");
 }

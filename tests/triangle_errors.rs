@@ -65,7 +65,7 @@ fn everything_that_is_drawn_is_within_the_tolerance() {
             let mut prepared = stage.prepared(&scene);
             let pieces = pieces(&scene);
             // The largest error beside what was asked for.
-            let mut most = 0.0_f64;
+            let mut max = 0.0_f64;
             for index in 0..views {
                 scene.camera = Some(view(&pieces, &mut random, LOOKS[index % 4]));
                 for tolerance in [2.0, 1.0, 0.5, 0.25] {
@@ -86,12 +86,12 @@ fn everything_that_is_drawn_is_within_the_tolerance() {
                         "{name}, {smoothing:?}, view {index}: {off} px, {bound} at most, \
                          {tolerance} asked for"
                     );
-                    most = most.max(off / tolerance);
+                    max = max.max(off / tolerance);
                     points += count;
                     measured += 1;
                 }
             }
-            println!("{name}, {smoothing:?}: at most {most:.3} of the tolerance");
+            println!("{name}, {smoothing:?}: at most {max:.3} of the tolerance");
         }
     }
     println!("{measured} frames, {unmet} reached a limit, {points} points");

@@ -53,12 +53,12 @@ fn check_vertices(name: &str, stage: &mut Stage, scene: &Scene) -> usize {
         let expected = view.transform_point3(point);
         let position = DVec4::from_array(vertex.position.map(f64::from));
         // A few units of the last place of numbers as large as the way to the eye.
-        let most = 5e-7 * expected.length();
+        let max = 5e-7 * expected.length();
         let off = expected.distance(position.truncate());
-        assert!(off <= most && position.w == 1.0, "{name}: {vertex:?} is off by {off}");
+        assert!(off <= max && position.w == 1.0, "{name}: {vertex:?} is off by {off}");
         let clip = DVec4::from_array(vertex.clip.map(f64::from));
         let off = (to_clip * point.extend(1.0)).distance(clip);
-        assert!(off <= 4.0 * most, "{name}: {vertex:?} is off by {off} in clip space");
+        assert!(off <= 4.0 * max, "{name}: {vertex:?} is off by {off} in clip space");
         // As of surfaces, they point inwards.
         let expected = DMat3::from_mat4(view) * -piece.normal(place);
         let normal = DVec3::from_array(vertex.normal.map(f64::from));

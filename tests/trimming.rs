@@ -42,8 +42,8 @@ impl Random {
         (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    fn count(&mut self, most: usize) -> usize {
-        1 + (self.unit() * most as f64) as usize
+    fn count(&mut self, max: usize) -> usize {
+        1 + (self.unit() * max as f64) as usize
     }
 }
 
@@ -560,7 +560,7 @@ fn edges_of_trims_and_silhouettes_cover_what_they_should() {
     const PARTLY: std::ops::Range<f64> = 1e-9..1.0 - 1e-9;
     let context = Checked::new(backends()[0]);
     let mut renderer = Renderer::new(context.gl()).unwrap();
-    for (samples, most) in [(4, 0.10), (16, 0.04), (64, 0.015)] {
+    for (samples, max) in [(4, 0.10), (16, 0.04), (64, 0.015)] {
         let samples = Samples::new(samples).unwrap();
         let target = Framebuffer::for_samples(context.gl(), (SIDE, SIDE), samples).unwrap();
         let (mut silhouettes, mut edges) = (Vec::new(), Vec::new());
@@ -590,7 +590,7 @@ fn edges_of_trims_and_silhouettes_cover_what_they_should() {
             let rmse = (squares / errors.len() as f64).sqrt();
             assert!(errors.len() > 2000 && rmse > 0.001, "{what}: {} {rmse}", errors.len());
             let samples = samples.get();
-            assert!(rmse <= most, "{what} with {samples} samples: RMSE {rmse:.4} > {most}");
+            assert!(rmse <= max, "{what} with {samples} samples: RMSE {rmse:.4} > {max}");
         }
     }
 }

@@ -238,7 +238,7 @@ fn sphere_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> {
     const NEAR: f64 = 5e-4;
     let mesh = scene.meshes[0].mesh().mesh();
     let size = SIZE.as_dvec2();
-    let (mut expected, mut missing, mut wrong, mut most) = (0_u32, 0, 0, 0.0_f64);
+    let (mut expected, mut missing, mut wrong, mut max) = (0_u32, 0, 0, 0.0_f64);
     for (i, (uv, position)) in drawn.uv.iter().zip(&drawn.position).enumerate() {
         let pixel = UVec2::new(i as u32 % SIZE.x, i as u32 / SIZE.x).as_dvec2() + 0.5;
         let place = (pixel - 0.5 * size) * dvec2(2.2, -2.2) / size.y;
@@ -262,15 +262,15 @@ fn sphere_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> {
             [a, b, c].iter().all(|corner| corner.distance(point) < 1.01 * longest)
         });
         wrong += u32::from(!on_ray || !near || off.is_nan() || off > NEAR);
-        most = most.max(off);
+        max = max.max(off);
     }
     if missing + wrong > 0 {
         return Err(format!(
-            "of {expected} pixels of a sphere {missing} are holes and {wrong} are off ({most:.1e} of its \
+            "of {expected} pixels of a sphere {missing} are holes and {wrong} are off ({max:.1e} of its \
              radius at most, {NEAR:.0e} expected)"
         ));
     }
-    Ok(most)
+    Ok(max)
 }
 
 #[cfg(test)]

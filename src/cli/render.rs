@@ -162,8 +162,8 @@ impl Job {
     /// How often a scene is drawn for its picture.
     fn drawings(&self, scene: &Scene) -> u64 {
         let samples = scene.settings.samples.get();
-        let most = u32::try_from(self.offscreen.context().info().max_samples).unwrap_or(0);
-        if samples <= most { 1 } else { samples.into() }
+        let max = u32::try_from(self.offscreen.context().info().max_samples).unwrap_or(0);
+        if samples <= max { 1 } else { samples.into() }
     }
 
     fn draw(&mut self, scene: &Scene, times: &mut Times, bar: &ProgressBar) -> Result<Image> {

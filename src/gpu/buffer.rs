@@ -77,12 +77,12 @@ impl Buffer {
     /// As [`Buffer::new`]; more than the driver lets a shader see.
     pub fn for_storage<T: Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Self> {
         // SAFETY: the context is current (see the module).
-        let most = unsafe { gl.get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
+        let max = unsafe { gl.get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
         let bytes = size_of_val(values);
-        if i64::try_from(bytes).map_or(true, |bytes| bytes > most) {
+        if i64::try_from(bytes).map_or(true, |bytes| bytes > max) {
             return Err(Error::Driver {
                 what: label.to_owned(),
-                reason: format!("{bytes} bytes; its storage buffers hold at most {most}"),
+                reason: format!("{bytes} bytes; its storage buffers hold at most {max}"),
             });
         }
         Self::new(gl, label, values)

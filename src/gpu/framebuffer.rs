@@ -48,9 +48,9 @@ impl Framebuffer {
     pub fn with_samples(gl: &Gl, width: u32, height: u32, samples: u32) -> Result<Self> {
         let info = DriverInfo::of(gl);
         let size = checked_size("resolution", (width, height), info.max_size)?;
-        let most = u32::try_from(info.max_samples).unwrap_or(0).max(1);
-        if !(1..=most).contains(&samples) {
-            let range = format!("1 to {most} with this driver");
+        let max = u32::try_from(info.max_samples).unwrap_or(0).max(1);
+        if !(1..=max).contains(&samples) {
+            let range = format!("1 to {max} with this driver");
             return Err(Error::invalid("samples of a framebuffer", samples, range));
         }
         let resolved = if samples > 1 {

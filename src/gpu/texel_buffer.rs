@@ -40,11 +40,11 @@ impl TexelBuffer {
 
     fn new<T: Pod>(gl: &Gl, label: &str, values: &[T], formats: &[u32]) -> Result<Self> {
         // SAFETY: the context is current (see the module).
-        let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE) };
-        if values.len() > usize::try_from(most).unwrap_or(0) {
+        let max = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE) };
+        if values.len() > usize::try_from(max).unwrap_or(0) {
             return Err(Error::Driver {
                 what: label.to_owned(),
-                reason: format!("{} values; its buffer textures hold at most {most}", values.len()),
+                reason: format!("{} values; its buffer textures hold at most {max}", values.len()),
             });
         }
         let buffer = Buffer::new(gl, label, values)?;

@@ -38,8 +38,8 @@ impl Texture {
     /// A picture without pixels or larger than the driver's textures, no memory for it.
     pub fn new(gl: &Gl, label: &str, image: &Image) -> Result<Self> {
         // SAFETY: the context is current (see the module).
-        let most = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
-        let [width, height] = checked_size("texture size", image.dimensions(), most)?;
+        let max = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
+        let [width, height] = checked_size("texture size", image.dimensions(), max)?;
         size_i32(label, image.len())?;
         let levels = 1 + width.max(height).ilog2();
         // SAFETY: the context is current (see the module); the texture is new and ours.

@@ -17,8 +17,8 @@ impl Framebuffer {
     /// # Errors
     /// As [`Framebuffer::new`].
     pub fn for_samples(gl: &Gl, (width, height): (u32, u32), samples: Samples) -> Result<Self> {
-        let most = u32::try_from(DriverInfo::of(gl).max_samples).unwrap_or(0);
-        let at_once = if samples.get() <= most { samples.get() } else { 1 };
+        let max = u32::try_from(DriverInfo::of(gl).max_samples).unwrap_or(0);
+        let at_once = if samples.get() <= max { samples.get() } else { 1 };
         Self::with_samples(gl, width, height, at_once)
     }
 }

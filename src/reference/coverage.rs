@@ -95,7 +95,7 @@ enum Depth {
     /// z / w is 1 − 2 · nearest / distance.
     Perspective { nearest: f64 },
     /// z / w goes from −1 at the least distance to 1 at the greatest.
-    Parallel { least: f64, greatest: f64 },
+    Parallel { min: f64, max: f64 },
 }
 
 impl Depth {
@@ -107,15 +107,15 @@ impl Depth {
             let points = surface.control_points().iter();
             points.map(move |point| -to_view.transform_point3(point.truncate()).z)
         });
-        let (least, greatest) = distances
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, greatest), distance| {
-                (least.min(distance), greatest.max(distance))
+        let (min, max) = distances
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), distance| {
+                (min.min(distance), max.max(distance))
             });
         if projection.projection.row(3).z == 0.0 {
-            let margin = (greatest - least).max(1.0);
-            return Self::Parallel { least: least - margin, greatest: greatest + margin };
+            let margin = (max - min).max(1.0);
+            return Self::Parallel { min: min - margin, max: max + margin };
         }
-        Self::Perspective { nearest: EYE * greatest.abs().max(f64::MIN_POSITIVE) }
+        Self::Perspective { nearest: EYE * max.abs().max(f64::MIN_POSITIVE) }
     }
 
     /// The projection with this depth instead of its own.
@@ -123,9 +123,9 @@ impl Depth {
         let mut rows = projection.transpose();
         rows.z_axis = match self {
             Self::Perspective { nearest } => rows.w_axis - DVec4::W * (2.0 * nearest),
-            Self::Parallel { least, greatest } => {
-                let size = greatest - least;
-                DVec4::new(0.0, 0.0, -2.0 / size, -(greatest + least) / size)
+            Self::Parallel { min, max } => {
+                let size = max - min;
+                DVec4::new(0.0, 0.0, -2.0 / size, -(max + min) / size)
             }
         };
         rows.transpose()
@@ -135,7 +135,7 @@ impl Depth {
     fn distance(&self, z: f64) -> f64 {
         match self {
             Self::Perspective { nearest } => 2.0 * nearest / (1.0 - z),
-            Self::Parallel { least, greatest } => 0.5 * ((greatest - least) * z + greatest + least),
+            Self::Parallel { min, max } => 0.5 * ((max - min) * z + max + min),
         }
     }
 }

@@ -125,14 +125,14 @@ fn bytes_that_count(text: &str) -> usize {
     while let Some(start) = rest.find(['"', '\'', '#']) {
         rest = &rest[start..];
         let quote = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|quote| rest.starts_with(quote));
-        let (length, most) = match quote {
+        let (length, max) = match quote {
             // A comment.
             None => (rest.find('\n').unwrap_or(rest.len()), usize::MAX),
             Some(quote) => {
                 (quote.len() + length_of_string(&rest[quote.len()..], quote), MAX_STRING_BYTES)
             }
         };
-        count += start + length.min(most);
+        count += start + length.min(max);
         rest = &rest[length..];
     }
     count + rest.len()

@@ -115,7 +115,7 @@ pub(crate) struct Bound<T = f64> {
     /// The diagonal of what may be seen of it, in pixels.
     pub(crate) extent: T,
     /// The least clip w of the control points.
-    least_depth: T,
+    min_depth: T,
 }
 
 impl<T: Number> Bound<T> {
@@ -128,7 +128,7 @@ impl<T: Number> Bound<T> {
             rounding: self.rounding.lane(lane),
             depth_ratio: self.depth_ratio.lane(lane),
             extent: self.extent.lane(lane),
-            least_depth: self.least_depth.lane(lane),
+            min_depth: self.min_depth.lane(lane),
         }
     }
 
@@ -140,7 +140,7 @@ impl<T: Number> Bound<T> {
         let error = self.curvature.error(cells) + self.rounding + all(SUBPIXEL);
         // Of what reaches before the near plane, the bound holds up to the tolerance alone.
         let across_near = error.choose_at_most(all(screen.tolerance), [error, all(f64::INFINITY)]);
-        all(screen.near).choose_at_most(self.least_depth, [error, across_near])
+        all(screen.near).choose_at_most(self.min_depth, [error, across_near])
     }
 
     /// The cells along u and v that keep the patch within the tolerance, as far as cells can: rounding may
@@ -175,25 +175,25 @@ impl<T: Number> Curvature<T> {
         // Levels in the ratio of the roots of the curvatures need the fewest triangles; where the
         // patch is all twist, any ratio does. A millionth stands for no curvature at all.
         let twist = all(0.3) * uv.sqrt();
-        let (a, b) = (uu.sqrt().most(twist), vv.sqrt().most(twist));
+        let (a, b) = (uu.sqrt().larger(twist), vv.sqrt().larger(twist));
         // With n along u and n·b/a along v.
-        let ratio = a / b.most(all(1e-6) * a).most(all(f64::MIN_POSITIVE));
+        let ratio = a / b.larger(all(1e-6) * a).larger(all(f64::MIN_POSITIVE));
         let along_u = (uu + all(2.0) * uv * ratio + vv * ratio * ratio) / (all(8.0) * tolerance);
-        let along_u = along_u.sqrt().ceil().most(one);
+        let along_u = along_u.sqrt().ceil().larger(one);
         // What rounding up leaves over serves the other direction: vv/8·k² + uv/(4n)·k ≤ rest. A little
         // more, so that something is left always.
         let rest = tolerance * all(1.0 + 5e-10) - uu / (all(8.0) * along_u * along_u);
         let linear = uv / (all(4.0) * along_u);
         let root = (linear * linear + all(0.5) * vv * rest).sqrt();
-        let along_v = ((linear + root) / (all(2.0) * rest)).ceil().most(one);
+        let along_v = ((linear + root) / (all(2.0) * rest)).ceil().larger(one);
         // One level where that is enough, and infinitely many where nothing is known.
         let (flat, sum) = (self.error([one; 2]), uu + uv + vv);
         let along_u = flat.choose_at_most(tolerance, [one, along_u]);
         let along_v = flat.choose_at_most(tolerance, [one, along_v]);
-        let (most, infinite) = (all(f64::MAX), all(f64::INFINITY));
+        let (max, infinite) = (all(f64::MAX), all(f64::INFINITY));
         [
-            sum.choose_at_most(most, [along_u, infinite]),
-            sum.choose_at_most(most, [along_v, infinite]),
+            sum.choose_at_most(max, [along_u, infinite]),
+            sum.choose_at_most(max, [along_v, infinite]),
         ]
     }
 }
@@ -268,7 +268,7 @@ mod tests {
         let to_clip = projection.projection * projection.view;
         let clip = |u: f64, v: f64| to_clip * homogeneous_at(degree, points, u, v);
         let px = |p: DVec4| dvec2(p.x, p.y) / p.w * SIZE.as_dvec2() * 0.5;
-        let mut most = 0.0_f64;
+        let mut max = 0.0_f64;
         for numbers in random {
             let cell = [0, 1].map(|i| (numbers[i] * levels[i]).floor().min(levels[i] - 1.0));
             // Corners of the cell or places on its border: what stitching may use.
@@ -296,10 +296,10 @@ mod tests {
             let point = clip(at[0], at[1]);
             if seen {
                 assert!(point.w > 0.0, "a point behind the eye");
-                most = most.max(px(linear).distance(px(point)));
+                max = max.max(px(linear).distance(px(point)));
             }
         }
-        most
+        max
     }
 
     fn patches<const N: usize>(points: &[DVec4]) -> &[Points<N>] {
@@ -495,7 +495,7 @@ mod tests {
         let levels = |rounding| {
             let curvature = Curvature { uu: 128.0, uv: 0.0, vv: 0.0 };
             let bound =
-                Bound { curvature, rounding, depth_ratio: 1.0, extent: 9.0, least_depth: 1.0 };
+                Bound { curvature, rounding, depth_ratio: 1.0, extent: 9.0, min_depth: 1.0 };
             let levels = bound.levels(&screen);
             (levels, bound.error(levels, &screen))
         };

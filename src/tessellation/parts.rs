@@ -155,7 +155,7 @@ pub(crate) struct TrimParts {
 
 impl TrimParts {
     /// More parts than 2³ a side save little more.
-    const MOST_HALVINGS: u8 = 3;
+    const MAX_HALVINGS: u8 = 3;
 
     pub(crate) fn new(grid: &Arc<TrimGrid>) -> Self {
         let mut parts = Self { grid: Arc::clone(grid), known: Vec::new(), useful: 0 };
@@ -165,7 +165,7 @@ impl TrimParts {
         };
         let whole = share(0);
         let useful =
-            (1..=Self::MOST_HALVINGS).rev().find(|halvings| share(*halvings) < WORTH_IT * whole);
+            (1..=Self::MAX_HALVINGS).rev().find(|halvings| share(*halvings) < WORTH_IT * whole);
         parts.useful = useful.unwrap_or(0);
         parts
     }
@@ -173,8 +173,8 @@ impl TrimParts {
     /// How often a patch of such a diagonal on the screen, in pixels, is best halved along each side:
     /// smaller parts cost more vertices than they save fragments.
     pub(crate) fn halvings(&self, extent: f32) -> u8 {
-        const LEAST_PX: f32 = 48.0;
-        let halvings = (extent / LEAST_PX).max(1.0).log2().floor();
+        const MIN_PX: f32 = 48.0;
+        let halvings = (extent / MIN_PX).max(1.0).log2().floor();
         self.useful.min(halvings as u8)
     }
 
@@ -194,8 +194,8 @@ impl TrimParts {
 }
 
 fn patches_per_draw(level: u32, wireframe: bool) -> usize {
-    let most = if wireframe { VERTICES_PER_DRAW_OF_LINES } else { VERTICES_PER_DRAW };
-    (most / ((level + 1) * (level + 1))).max(1) as usize
+    let max = if wireframe { VERTICES_PER_DRAW_OF_LINES } else { VERTICES_PER_DRAW };
+    (max / ((level + 1) * (level + 1))).max(1) as usize
 }
 
 /// How many vertices one draw of parts should make.
@@ -210,14 +210,14 @@ pub(crate) enum DrawSize {
 
 /// How many of the parts that come first make one draw, by their vertices.
 pub(crate) fn patches_of_next_draw(vertices: impl Iterator<Item = u32>, size: DrawSize) -> usize {
-    let most = match size {
+    let max = match size {
         DrawSize::Small => 800,
         DrawSize::Large => 32_000,
     };
     let mut sum = 0;
     let fitting = vertices.take_while(|vertices| {
         sum += vertices;
-        sum <= most
+        sum <= max
     });
     fitting.count().max(1)
 }

@@ -30,7 +30,7 @@ use crate::scene::TessLevel;
 use halving::Leaf;
 
 /// The most cells along a part that OpenGL draws.
-const MOST_CELLS: u32 = 64;
+const MAX_CELLS: u32 = 64;
 /// One part of a patch as the vertex stage reads it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -172,8 +172,8 @@ impl FrameStats {
 }
 
 /// Keeps the larger number.
-pub(crate) fn raise(most: &mut Option<f64>, value: f64) {
-    *most = Some(most.map_or(value, |most| most.max(value)));
+pub(crate) fn raise(max: &mut Option<f64>, value: f64) {
+    *max = Some(max.map_or(value, |max| max.max(value)));
 }
 
 /// What is decided about a patch.
@@ -407,7 +407,7 @@ impl Plan {
 
     /// Halves patches until no part's edge has more cells than OpenGL draws.
     fn agree(&mut self, table: &EdgeTable) {
-        if self.edges.iter().all(|edge| edge.level <= MOST_CELLS && edge.halvings == 0) {
+        if self.edges.iter().all(|edge| edge.level <= MAX_CELLS && edge.halvings == 0) {
             return;
         }
         loop {
@@ -419,7 +419,7 @@ impl Plan {
                 }
                 for (side, edge) in table.of(patch).into_iter().enumerate() {
                     let axis = axis_of(side);
-                    while self.edges[edge].rounded() >> state.halvings[axis] > MOST_CELLS {
+                    while self.edges[edge].rounded() >> state.halvings[axis] > MAX_CELLS {
                         self.refine(&mut state, axis);
                         changed = true;
                         self.ask(state, table.of(patch));

@@ -23,7 +23,7 @@ use glam::{DMat4, DVec3, DVec4};
 use super::bound::{Rounding, SUBPIXEL, Screen, Seen};
 
 /// The most levels that OpenGL cuts an edge into.
-const MOST_LEVELS: f64 = 64.0;
+const MAX_LEVELS: f64 = 64.0;
 /// What the largest second derivative along a side is multiplied by.
 const INSIDE: f64 = 5.0 / 18.0;
 
@@ -72,8 +72,8 @@ impl TriangleBound {
         if is_outside {
             return None;
         }
-        let least_w = clip.iter().map(|p| p.w).fold(f64::INFINITY, f64::min);
-        let crosses_near = least_w < screen.near();
+        let min_w = clip.iter().map(|p| p.w).fold(f64::INFINITY, f64::min);
+        let crosses_near = min_w < screen.near();
         let seen = if crosses_near {
             Seen::across_near(screen, screen.near())
         } else {
@@ -82,7 +82,7 @@ impl TriangleBound {
                     [low.min(at).max(-1.0), high.max(at).min(1.0)]
                 })
             };
-            Seen::new(screen, least_w, [range(0), range(1)])
+            Seen::new(screen, min_w, [range(0), range(1)])
         };
         let (rows, second): (&[[usize; 3]], f64) = match points.len() {
             10 => (&CUBIC, 6.0),
@@ -96,7 +96,7 @@ impl TriangleBound {
         let largest = rows.iter().map(bend).fold(0.0, f64::max);
         Some(Self {
             curvature: second * largest.sqrt(),
-            rounding: rounding.pixels(screen) / least_w.max(screen.near()),
+            rounding: rounding.pixels(screen) / min_w.max(screen.near()),
             crosses_near,
         })
     }
@@ -107,7 +107,7 @@ impl TriangleBound {
         let left = tolerance - SUBPIXEL - self.rounding;
         // Where rounding leaves nothing, more triangles do not help.
         let left = if left > 0.1 * tolerance { left } else { 0.5 * tolerance };
-        (INSIDE * self.curvature / left).sqrt().ceil().clamp(1.0, MOST_LEVELS) as u8
+        (INSIDE * self.curvature / left).sqrt().ceil().clamp(1.0, MAX_LEVELS) as u8
     }
 
     /// How far it can be at most from the triangles of a level, in pixels; infinite where nothing can be

@@ -318,8 +318,8 @@ fn nestings(loops: &[TrimLoop]) -> Vec<Nesting> {
 /// Whether every point of `inner`, sampled along its curves, lies inside `outer`.
 pub(crate) fn holds(outer: &TrimLoop, inner: &TrimLoop) -> bool {
     const SAMPLES: u32 = 16;
-    let ([least, most], [inner_least, inner_most]) = (outer.control_box(), inner.control_box());
-    let boxes_meet = least.cmple(inner_most).all() && inner_least.cmple(most).all();
+    let ([min, max], [inner_min, inner_max]) = (outer.control_box(), inner.control_box());
+    let boxes_meet = min.cmple(inner_max).all() && inner_min.cmple(max).all();
     boxes_meet
         && inner
             .segments()

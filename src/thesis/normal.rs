@@ -57,9 +57,9 @@ mod tests {
         }
         let angles = turned(&points);
         let mean = angles.iter().sum::<f64>() / angles.len() as f64;
-        let most = angles.iter().copied().fold(0.0, f64::max);
+        let max = angles.iter().copied().fold(0.0, f64::max);
         assert!((15.0..22.0).contains(&mean), "mean {mean}");
-        assert!((40.0..55.0).contains(&most), "most {most}");
+        assert!((40.0..55.0).contains(&max), "most {max}");
     }
 
     #[test]

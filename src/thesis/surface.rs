@@ -366,10 +366,10 @@ impl FreeFormSurface {
 
     fn replace_nested(&mut self, outer: TrimLoop, inner: TrimLoop) -> Result<()> {
         if !holds(&outer, &inner) {
-            let [least, most] = inner.control_box();
+            let [min, max] = inner.control_box();
             return Err(Error::invalid(
                 "inner loop",
-                format!("within {least} … {most}"),
+                format!("within {min} … {max}"),
                 "a loop inside the outer one",
             ));
         }

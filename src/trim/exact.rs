@@ -85,10 +85,10 @@ impl TrimGrid {
     /// Whether everything in the rectangle from `least` to below `most` is cut (`true`) or kept
     /// (`false`), or not known: some of it may be either.
     #[must_use]
-    pub fn cut_throughout(&self, least: Vec2, most: Vec2) -> Option<bool> {
+    pub fn cut_throughout(&self, min: Vec2, max: Vec2) -> Option<bool> {
         let cells = |lookup: &Option<Lookup>, without: bool| match lookup {
             None => Some(without),
-            Some(lookup) => self.throughout(lookup, least, most),
+            Some(lookup) => self.throughout(lookup, min, max),
         };
         match cells(&self.shapes, false) {
             Some(true) => Some(true),
@@ -98,11 +98,11 @@ impl TrimGrid {
     }
 
     /// What all cells that a rectangle touches say, if they say one thing.
-    fn throughout(&self, lookup: &Lookup, least: Vec2, most: Vec2) -> Option<bool> {
+    fn throughout(&self, lookup: &Lookup, min: Vec2, max: Vec2) -> Option<bool> {
         let uniform_grid = &lookup.uniform_grid;
         // A sample that rounding puts beyond is as close to a curve as may be decided either way.
-        let last = Vec2::new(most.x.next_down(), most.y.next_down());
-        let [first, last] = [least, last].map(|corner| uniform_grid.cell(clamped(corner)));
+        let last = Vec2::new(max.x.next_down(), max.y.next_down());
+        let [first, last] = [min, last].map(|corner| uniform_grid.cell(clamped(corner)));
         let mut found = None;
         for row in first.y..=last.y {
             for column in first.x..=last.x {
@@ -257,7 +257,7 @@ mod tests {
 
     /// Distance from a curve, by sampling.
     fn distance(trims: &Trims, uv: DVec2) -> f64 {
-        let mut least = f64::INFINITY;
+        let mut min = f64::INFINITY;
         for segment in trims.all_loops().flat_map(TrimLoop::segments) {
             let (mut low, mut high) = (0.0, 1.0);
             for _ in 0..12 {
@@ -269,11 +269,11 @@ mod tests {
                         to(*a).total_cmp(&to(*b))
                     })
                     .unwrap();
-                least = least.min(segment.point(at(best)).distance(uv));
+                min = min.min(segment.point(at(best)).distance(uv));
                 (low, high) = (at((best - 1).max(0)), at((best + 1).min(steps)));
             }
         }
-        least
+        min
     }
 
     fn check(loops: &[TrimLoop], samples: impl Iterator<Item = Vec2> + Clone) {
@@ -438,15 +438,15 @@ mod tests {
             let grid = TrimGrid::new(&trims);
             let mut said = [0; 3];
             for i in 0..256 {
-                let least = vec2((i % 16) as f32, (i / 16) as f32) / 16.0;
-                let most = least + 1.0 / 16.0;
-                let samples = || lattice_samples(9).map(|uv| least + uv * 9.0 / 8.0 * 0.0625);
-                match grid.cut_throughout(least, most) {
+                let min = vec2((i % 16) as f32, (i / 16) as f32) / 16.0;
+                let max = min + 1.0 / 16.0;
+                let samples = || lattice_samples(9).map(|uv| min + uv * 9.0 / 8.0 * 0.0625);
+                match grid.cut_throughout(min, max) {
                     None => said[2] += 1,
                     Some(cut) => {
                         said[usize::from(cut)] += 1;
-                        let inside = |uv: Vec2| uv.min(most - f32::EPSILON);
-                        assert!(samples().all(|uv| grid.cut(inside(uv)) == cut), "{least}");
+                        let inside = |uv: Vec2| uv.min(max - f32::EPSILON);
+                        assert!(samples().all(|uv| grid.cut(inside(uv)) == cut), "{min}");
                     }
                 }
             }

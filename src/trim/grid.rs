@@ -182,9 +182,9 @@ mod tests {
     }
 
     /// Lenses in rows and columns: many small curves.
-    fn lenses(side: usize, step: f64, least: f64) -> Vec<TrimLoop> {
+    fn lenses(side: usize, step: f64, min: f64) -> Vec<TrimLoop> {
         let lens = |i: usize| {
-            let (u, v) = (least + step * (i % side) as f64, least + step * (i / side) as f64);
+            let (u, v) = (min + step * (i % side) as f64, min + step * (i / side) as f64);
             let at = |x: f64, y: f64| (u + x * step, v + y * step);
             chain(&[
                 at(0.1, 0.5),
@@ -209,9 +209,9 @@ mod tests {
                 is_listed[piece] = true;
             }
             for (piece, is_listed) in pieces.iter().zip(is_listed) {
-                let [least, most] = piece.u_range();
-                let touches = least <= bounds[0][1]
-                    && most >= bounds[0][0]
+                let [min, max] = piece.u_range();
+                let touches = min <= bounds[0][1]
+                    && max >= bounds[0][0]
                     && piece.low.y <= bounds[1][1]
                     && piece.high.y >= bounds[1][0];
                 assert_eq!(is_listed, touches, "{piece:?} in {bounds:?}");

@@ -41,8 +41,8 @@ impl Piece {
         }
         let (low, high) = (rounded(a), rounded(d));
         let chord = high - low;
-        let (least, most) = (chord.min(Vec2::ZERO), chord.max(Vec2::ZERO));
-        let legs = [rounded(b - a), rounded(d - c)].map(|leg| leg.clamp(least, most));
+        let (min, max) = (chord.min(Vec2::ZERO), chord.max(Vec2::ZERO));
+        let legs = [rounded(b - a), rounded(d - c)].map(|leg| leg.clamp(min, max));
         (low != high).then_some(Self { low, high, legs })
     }
 
@@ -81,9 +81,9 @@ impl Piece {
         if (self.low.y <= uv.y) == (self.high.y <= uv.y) {
             return false;
         }
-        let [least, most] = self.u_range();
-        if uv.x < least || uv.x >= most {
-            return uv.x < least;
+        let [min, max] = self.u_range();
+        if uv.x < min || uv.x >= max {
+            return uv.x < min;
         }
         let left = self.bulges_left();
         let turn = if left { 1.0 } else { -1.0 };
@@ -168,10 +168,10 @@ pub(super) fn split(curve: &Curve, t: f64) -> [Curve; 2] {
 /// Cuts a curve until its control points are monotone in both coordinates.
 fn split_turns(curve: &Curve, depth: u32, take: &mut impl FnMut(&Curve)) {
     // Two turns and one inflection in each coordinate; more cuts come from rounding alone.
-    const MOST_CUTS: u32 = 8;
+    const MAX_CUTS: u32 = 8;
     for axis in 0..2 {
         let Some((t, is_turn)) = cut_of(curve.map(|point| point[axis])) else { continue };
-        if depth == MOST_CUTS {
+        if depth == MAX_CUTS {
             continue;
         }
         let [mut before, mut after] = split(curve, t);
@@ -185,8 +185,8 @@ fn split_turns(curve: &Curve, depth: u32, take: &mut impl FnMut(&Curve)) {
         return;
     }
     let [a, b, c, d] = *curve;
-    let (least, most) = (a.min(d), a.max(d));
-    take(&[a, b.clamp(least, most), c.clamp(least, most), d]);
+    let (min, max) = (a.min(d), a.max(d));
+    take(&[a, b.clamp(min, max), c.clamp(min, max), d]);
 }
 
 /// Cuts a monotone curve where it changes from turning left to turning right.
@@ -244,8 +244,8 @@ fn split_borders(curve: &Curve, depth: u32, curves: &mut Vec<Curve>) {
         }
     }
     let inside = curve.map(|point| point.clamp(DVec2::ZERO, DVec2::ONE));
-    let (least, most) = (inside[0].min(inside[3]), inside[0].max(inside[3]));
-    curves.push(inside.map(|point| point.clamp(least, most)));
+    let (min, max) = (inside[0].min(inside[3]), inside[0].max(inside[3]));
+    curves.push(inside.map(|point| point.clamp(min, max)));
 }
 
 /// The parameter at which a coordinate of a monotone curve is `value`, between those of its ends.

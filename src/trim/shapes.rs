@@ -13,8 +13,8 @@ pub(super) const SHAPE_WORDS: usize = 8;
 /// Cells along a side.
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
 /// Cells that all shapes together may touch: so many each, and at least `MOST_CELLS`.
-const MOST_CELLS_PER_SHAPE: f64 = 16.0;
-const MOST_CELLS: f64 = 65_536.0;
+const MAX_CELLS_PER_SHAPE: f64 = 16.0;
+const MAX_CELLS: f64 = 65_536.0;
 /// Cells are taken as this much larger than they are when something is said of all their samples.
 const MARGIN: f64 = 1e-6;
 /// Shapes thinner than this hold no sample that could be told from their border.
@@ -43,20 +43,20 @@ impl Shape {
     }
 
     /// Whether it cuts anything in a box.
-    fn touches(&self, [least, most]: [DVec2; 2]) -> bool {
+    fn touches(&self, [min, max]: [DVec2; 2]) -> bool {
         match self {
             // The point of the box that is nearest in the ellipse's own measure.
-            Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(least, most)),
+            Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(min, max)),
             Self::Rect(_) => {
                 let [low, high] = self.extent();
-                low.cmple(most).all() && least.cmple(high).all()
+                low.cmple(max).all() && min.cmple(high).all()
             }
         }
     }
 
     /// Whether it cuts everything in a box: shapes are convex.
-    fn covers(&self, [least, most]: [DVec2; 2]) -> bool {
-        [least, most, DVec2::new(least.x, most.y), DVec2::new(most.x, least.y)]
+    fn covers(&self, [min, max]: [DVec2; 2]) -> bool {
+        [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)]
             .into_iter()
             .all(|corner| self.cuts(corner))
     }
@@ -153,7 +153,7 @@ fn side_for(shapes: &[Shape]) -> u32 {
         shapes.iter().map(cells).sum()
     };
     let mut side = (2.0 * count.sqrt()).clamp((*SIDES.start()).into(), (*SIDES.end()).into());
-    while side > 4.0 && cells_at(side) > MOST_CELLS.max(MOST_CELLS_PER_SHAPE * count) {
+    while side > 4.0 && cells_at(side) > MAX_CELLS.max(MAX_CELLS_PER_SHAPE * count) {
         side *= 0.5;
     }
     side as u32

@@ -6,9 +6,9 @@ use glam::{UVec2, Vec2};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UniformGrid {
     /// Least corner.
-    pub(crate) least: Vec2,
+    pub(crate) min: Vec2,
     /// Greatest corner.
-    pub(crate) most: Vec2,
+    pub(crate) max: Vec2,
     /// Cells for each unit of the domain, such that no sample of the box is beyond the last.
     pub(crate) scale: Vec2,
     /// Columns and rows.
@@ -24,11 +24,11 @@ impl UniformGrid {
         Self::new(Vec2::ZERO, Vec2::ONE, side)
     }
 
-    pub(super) fn new(least: Vec2, most: Vec2, side: u32) -> Self {
+    pub(super) fn new(min: Vec2, max: Vec2, side: u32) -> Self {
         let scale = |axis: usize| {
-            let extent = most[axis] - least[axis];
+            let extent = max[axis] - min[axis];
             let mut scale = side as f32 / extent;
-            while (most[axis].next_down() - least[axis]) * scale >= side as f32 {
+            while (max[axis].next_down() - min[axis]) * scale >= side as f32 {
                 scale = scale.next_down();
             }
             // A box too thin to be cut is one column or row.
@@ -36,14 +36,14 @@ impl UniformGrid {
         };
         let [(scale_u, columns), (scale_v, rows)] = [scale(0), scale(1)];
         let (scale, size) = (Vec2::new(scale_u, scale_v), UVec2::new(columns, rows));
-        Self { least, most, scale, size }
+        Self { min, max, scale, size }
     }
 
     /// Words of a uniform grid in the shader's buffer.
     pub(super) const WORDS: usize = 5;
 
     pub(super) fn words(&self) -> [u32; Self::WORDS] {
-        let [u, v] = self.least.to_array().map(f32::to_bits);
+        let [u, v] = self.min.to_array().map(f32::to_bits);
         let [scale_u, scale_v] = self.scale.to_array().map(f32::to_bits);
         [u, v, scale_u, scale_v, self.size.x]
     }
@@ -52,7 +52,7 @@ impl UniformGrid {
     pub(super) fn from_words(words: &[u32]) -> Self {
         let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
         let size = UVec2::new(words[4], 0);
-        Self { least: point(0), most: Vec2::INFINITY, scale: point(2), size }
+        Self { min: point(0), max: Vec2::INFINITY, scale: point(2), size }
     }
 
     pub(super) fn count(&self) -> usize {
@@ -61,7 +61,7 @@ impl UniformGrid {
 
     /// Column and row of a sample in the box: twin of `cellAt` in `glsl/common/trim.glsl`.
     pub(super) fn cell(&self, uv: Vec2) -> UVec2 {
-        ((uv - self.least) * self.scale).as_uvec2()
+        ((uv - self.min) * self.scale).as_uvec2()
     }
 
     /// The number of a sample's cell, row by row.
@@ -73,23 +73,23 @@ impl UniformGrid {
     /// Bounds of the columns (`axis` 0) or rows (1). Neighbours overlap by some ulps, because the
     /// border between them is wherever `cell_of` rounds.
     pub(super) fn bounds(&self, axis: usize) -> Vec<Bounds> {
-        let (least, most) = (self.least[axis], self.most[axis]);
+        let (min, max) = (self.min[axis], self.max[axis]);
         let (scale, count) = (self.scale[axis], self.size[axis]);
-        let place = |x: f32| (x - least) * scale;
-        let border = |cell: u32| least + (f64::from(cell) / f64::from(scale)) as f32;
+        let place = |x: f32| (x - min) * scale;
+        let border = |cell: u32| min + (f64::from(cell) / f64::from(scale)) as f32;
         (0..count)
             .map(|cell| {
                 let mut low = border(cell);
-                while low > least && place(low) >= cell as f32 {
+                while low > min && place(low) >= cell as f32 {
                     low = low.next_down();
                 }
                 let mut high = border(cell + 1);
-                while high < most && place(high) < (cell + 1) as f32 {
+                while high < max && place(high) < (cell + 1) as f32 {
                     high = high.next_up();
                 }
                 [
-                    if cell == 0 { least } else { low.max(least) },
-                    if cell + 1 == count { most } else { high.min(most) },
+                    if cell == 0 { min } else { low.max(min) },
+                    if cell + 1 == count { max } else { high.min(max) },
                 ]
             })
             .collect()
@@ -97,9 +97,9 @@ impl UniformGrid {
 }
 
 /// The columns or rows that the closed range from `least` to `most` touches.
-pub(super) fn touched(bounds: &[Bounds], [least, most]: [f32; 2]) -> std::ops::Range<usize> {
-    let first = count_before(bounds, least, |[_, high]| *high < least);
-    let end = count_before(bounds, most, |[low, _]| *low <= most);
+pub(super) fn touched(bounds: &[Bounds], [min, max]: [f32; 2]) -> std::ops::Range<usize> {
+    let first = count_before(bounds, min, |[_, high]| *high < min);
+    let end = count_before(bounds, max, |[low, _]| *low <= max);
     first..end.max(first)
 }
 

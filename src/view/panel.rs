@@ -293,7 +293,7 @@ fn numbers(ui: &mut Ui, trims: &Trims) -> Option<Trims> {
 
 /// The numbers of circles, intervals and ellipses.
 fn shapes(ui: &mut Ui, trims: &mut Trims) {
-    const MOST: usize = 8;
+    const MAX: usize = 8;
     fn number(ui: &mut Ui, value: &mut f64) {
         ui.add(egui::DragValue::new(value).speed(0.002).max_decimals(4));
     }
@@ -304,7 +304,7 @@ fn shapes(ui: &mut Ui, trims: &mut Trims) {
     fn at_least(low: f64, value: &mut f64) {
         *value = value.max(low);
     }
-    for circle in trims.circles.iter_mut().take(MOST) {
+    for circle in trims.circles.iter_mut().take(MAX) {
         ui.horizontal(|ui| {
             ui.add_enabled_ui(trims.circles_on, |ui| {
                 ui.label("circle");
@@ -314,7 +314,7 @@ fn shapes(ui: &mut Ui, trims: &mut Trims) {
             });
         });
     }
-    for interval in trims.rects.iter_mut().take(MOST) {
+    for interval in trims.rects.iter_mut().take(MAX) {
         ui.horizontal(|ui| {
             ui.add_enabled_ui(trims.rects_on, |ui| {
                 ui.label("interval");
@@ -325,7 +325,7 @@ fn shapes(ui: &mut Ui, trims: &mut Trims) {
             });
         });
     }
-    for ellipse in trims.ellipses.iter_mut().take(MOST) {
+    for ellipse in trims.ellipses.iter_mut().take(MAX) {
         ui.horizontal(|ui| {
             ui.add_enabled_ui(trims.ellipses_on, |ui| {
                 ui.label("ellipse");

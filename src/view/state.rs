@@ -18,7 +18,7 @@ use super::trims::{PutBy, switched};
 use super::undo::{History, Part};
 
 /// The highest level that the keys reach, as in the report.
-const MOST_LEVEL: u32 = 50;
+const MAX_LEVEL: u32 = 50;
 /// What `+` and `−` go through, in pixels.
 const TOLERANCES: [f64; 13] =
     [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
@@ -344,7 +344,7 @@ impl State {
     fn set_level(&mut self, step: i64) -> Result<()> {
         let level = i64::from(self.level.get()) + step;
         // A scene's own level may be higher; the keys only come down from there.
-        if (1..=i64::from(MOST_LEVEL.max(self.level.get()))).contains(&level) {
+        if (1..=i64::from(MAX_LEVEL.max(self.level.get()))).contains(&level) {
             self.level = TessLevel::new(level)?;
         }
         self.set_tessellation(Tessellation::Level(self.level));

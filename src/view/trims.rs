@@ -261,8 +261,8 @@ fn is_nested(inner: &TrimLoop, trims: &Trims) -> bool {
 
 /// A loop of half the size around the same middle.
 fn shrunk(outer: &TrimLoop) -> Result<TrimLoop> {
-    let [least, most] = outer.control_box();
-    let middle = least.midpoint(most);
+    let [min, max] = outer.control_box();
+    let middle = min.midpoint(max);
     let segments = outer.segments().iter().map(|segment| {
         let points: Vec<DVec2> =
             segment.points().iter().map(|point| middle + (*point - middle) * 0.5).collect();

@@ -6,7 +6,7 @@ use glam::DVec4;
 use super::pick::PointId;
 
 /// The most edits that are remembered.
-const MOST_EDITS: usize = 1000;
+const MAX_EDITS: usize = 1000;
 
 /// A part of a scene as an edit leaves it, or as it was before.
 #[derive(Debug, Clone)]
@@ -92,7 +92,7 @@ impl History {
         if !self.done.last().is_some_and(same) {
             self.done.push(Edit { parts, press });
         }
-        if self.done.len() > MOST_EDITS {
+        if self.done.len() > MAX_EDITS {
             self.done.remove(0);
         }
     }

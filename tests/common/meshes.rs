@@ -185,7 +185,7 @@ fn clip_of(vertex: &DrawnVertex) -> DVec4 {
 /// and the point of the smooth surface that it stands for; and how many such points there were.
 pub fn off_by(pieces: &[Piece], drawn: &[DrawnVertex], frame: &Frame, size: UVec2) -> (f64, usize) {
     let to_clip = to_clip(frame);
-    let (mut most, mut count) = (0.0_f64, 0);
+    let (mut max, mut count) = (0.0_f64, 0);
     for corners in drawn.chunks_exact(3) {
         let piece = &pieces[corners[0].patch as usize];
         let clips = [0, 1, 2].map(|k| clip_of(&corners[k]));
@@ -197,11 +197,11 @@ pub fn off_by(pieces: &[Piece], drawn: &[DrawnVertex], frame: &Frame, size: UVec
             }
             let place = places[0] * by[0] + places[1] * by[1] + places[2] * by[2];
             let truth = to_clip * piece.point(place.into()).extend(1.0);
-            most = most.max(pixels(chord, size).distance(pixels(truth, size)));
+            max = max.max(pixels(chord, size).distance(pixels(truth, size)));
             count += 1;
         }
     }
-    (most, count)
+    (max, count)
 }
 
 type Bits = [u32; 4];

@@ -124,7 +124,7 @@ pub struct Difference {
     /// Pixels that were compared.
     pub compared: usize,
     /// The largest difference of a channel.
-    pub most: u8,
+    pub max: u8,
     /// Pixels off by more than 0, 2, 4, 16 and 64.
     pub above: [usize; 5],
     /// The first wrong pixel.
@@ -153,7 +153,7 @@ pub fn difference(
         let other = actual.get_pixel(x, y);
         let off = (0..4).map(|c| pixel.0[c].abs_diff(other.0[c])).max().unwrap_or(0);
         result.compared += 1;
-        result.most = result.most.max(off);
+        result.max = result.max.max(off);
         for (count, threshold) in result.above.iter_mut().zip([0, 2, 4, 16, 64]) {
             *count += usize::from(off > threshold);
         }

@@ -94,7 +94,7 @@ fn of_curved(surface: &dyn CurvedTriangle, level: u32, distance: fn(DVec3) -> f6
         let [u, v, w] = [i, j, level - i - j].map(|k| f64::from(k) / f64::from(level));
         surface.position(u, v, w)
     };
-    let mut most = 0.0_f64;
+    let mut max = 0.0_f64;
     for i in 0..level {
         for j in 0..level - i {
             let mut triangles = vec![[at(i, j), at(i + 1, j), at(i, j + 1)]];
@@ -103,12 +103,12 @@ fn of_curved(surface: &dyn CurvedTriangle, level: u32, distance: fn(DVec3) -> f6
             }
             for corners in triangles {
                 for weights in grid(SAMPLES) {
-                    most = most.max(distance(point(corners, weights)));
+                    max = max.max(distance(point(corners, weights)));
                 }
             }
         }
     }
-    most
+    max
 }
 
 const HEAD: &str = "\

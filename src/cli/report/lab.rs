@@ -360,7 +360,7 @@ fn wrong(Kept { drawn, uncut, whole, width }: &Kept) -> Wrong {
         let others = &beside[usize::from(!own)];
         let nearest = others.iter().map(|at| at.distance_squared(place(i))).min_by(f64::total_cmp);
         all.pixels += 1;
-        all.distance = all.distance.zip(nearest).map(|(most, near)| most.max(near.sqrt()));
+        all.distance = all.distance.zip(nearest).map(|(max, near)| max.max(near.sqrt()));
     }
     all
 }

@@ -6,17 +6,17 @@ use super::{Corner, TOLERANCE_PX};
 use crate::bezier::{Patch, homogeneous};
 
 /// The most cells along a side of a part; a part that needs more is cut into four.
-const MOST_CELLS: usize = 16;
+const MAX_CELLS: usize = 16;
 /// How often a part is cut into four.
-const MOST_CUTS: u32 = 9;
+const MAX_CUTS: u32 = 9;
 /// The most control points along a side of a patch.
-const MOST_SIDE: usize = 5;
+const MAX_SIDE: usize = 5;
 
 /// A square part of a patch, in clip space.
 #[derive(Clone, Copy)]
 pub(super) struct Part {
     /// Homogeneous control points, row by row.
-    points: [DVec4; MOST_SIDE * MOST_SIDE],
+    points: [DVec4; MAX_SIDE * MAX_SIDE],
     side: usize,
     /// The least w of what is in front of the near plane.
     near_w: f64,
@@ -29,15 +29,15 @@ pub(super) struct Part {
 impl Part {
     /// `near_w` is that of points whose weight is 1.
     pub(super) fn whole(patch: &Patch<'_>, to_clip: &DMat4, near_w: f64) -> Self {
-        let mut points = [DVec4::ZERO; MOST_SIDE * MOST_SIDE];
+        let mut points = [DVec4::ZERO; MAX_SIDE * MAX_SIDE];
         for (to, from) in points.iter_mut().zip(patch.points()) {
             *to = *to_clip * homogeneous(*from);
         }
-        let least_weight = patch.points().iter().map(|point| point.w).fold(f64::INFINITY, f64::min);
+        let min_weight = patch.points().iter().map(|point| point.w).fold(f64::INFINITY, f64::min);
         Self {
             points,
             side: patch.degree().side(),
-            near_w: near_w * least_weight,
+            near_w: near_w * min_weight,
             corner: DVec2::ZERO,
             length: 1.0,
             cuts: 0,
@@ -55,12 +55,12 @@ impl Part {
             return;
         }
         let cells = self.cells(size);
-        if cells > MOST_CELLS as f64 && self.cuts < MOST_CUTS {
+        if cells > MAX_CELLS as f64 && self.cuts < MAX_CUTS {
             for quarter in 0..4 {
                 self.quarter(quarter & 1, quarter >> 1).cut_up(size, draw);
             }
         } else {
-            draw(self, cells.min(MOST_CELLS as f64) as usize);
+            draw(self, cells.min(MAX_CELLS as f64) as usize);
         }
     }
 
@@ -68,7 +68,7 @@ impl Part {
     pub(super) fn corners(&self, cells: usize) -> impl Iterator<Item = Corner> {
         let at = move |i: usize| i as f64 / cells as f64;
         (0..=cells).flat_map(move |j| {
-            let mut row = [DVec4::ZERO; MOST_SIDE];
+            let mut row = [DVec4::ZERO; MAX_SIDE];
             for (column, point) in row[..self.side].iter_mut().enumerate() {
                 *point = curve(&self.points[column..], self.side, self.side, at(j));
             }
@@ -82,7 +82,7 @@ impl Part {
     /// z / w of the point at a place of the patch.
     pub(super) fn depth(&self, uv: DVec2) -> f64 {
         let at = (uv - self.corner) / self.length;
-        let mut row = [DVec4::ZERO; MOST_SIDE];
+        let mut row = [DVec4::ZERO; MAX_SIDE];
         for (column, point) in row[..self.side].iter_mut().enumerate() {
             *point = curve(&self.points[column..], self.side, self.side, at.y);
         }
@@ -110,13 +110,13 @@ impl Part {
         let (side, points) = (self.side, self.points());
         let mut low = DVec2::INFINITY;
         let mut high = DVec2::NEG_INFINITY;
-        let mut least_w = f64::INFINITY;
+        let mut min_w = f64::INFINITY;
         for point in points {
             let place = point.truncate().truncate() / point.w;
             (low, high) = (low.min(place), high.max(place));
-            least_w = least_w.min(point.w);
+            min_w = min_w.min(point.w);
         }
-        let [low, high] = if least_w > 0.0 {
+        let [low, high] = if min_w > 0.0 {
             [low, high].map(|place| place.clamp(DVec2::NEG_ONE, DVec2::ONE))
         } else {
             [DVec2::NEG_ONE, DVec2::ONE]
@@ -143,7 +143,7 @@ impl Part {
         }
         let degree = (side - 1) as f64;
         let second = degree * ((degree - 1.0) * (uu.sqrt() + vv.sqrt()) + 2.0 * degree * uv.sqrt());
-        (second / (8.0 * TOLERANCE_PX * least_w.max(self.near_w))).sqrt().ceil().max(1.0)
+        (second / (8.0 * TOLERANCE_PX * min_w.max(self.near_w))).sqrt().ceil().max(1.0)
     }
 
     /// The lower (0) or upper (1) half in u and v, by de Casteljau's algorithm.

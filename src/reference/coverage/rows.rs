@@ -5,8 +5,8 @@ use glam::DVec2;
 use crate::trim::{FillRule, Keep, Segment, TrimLoop, Trims, ray_crossings};
 
 /// The most rows, and the most entries of all rows together if every curve is in each.
-const MOST_ROWS: usize = 512;
-const MOST_ENTRIES: usize = 8_000_000;
+const MAX_ROWS: usize = 512;
+const MAX_ENTRIES: usize = 8_000_000;
 
 /// The loops of a surface, their curves sorted into rows of the domain.
 #[derive(Debug)]
@@ -24,13 +24,13 @@ pub(super) struct TrimRows<'a> {
 impl<'a> TrimRows<'a> {
     pub(super) fn new(trims: &'a Trims) -> Self {
         let count = trims.segment_count().max(1);
-        let mut rows = vec![Vec::new(); (MOST_ENTRIES / count).clamp(1, MOST_ROWS.min(count))];
+        let mut rows = vec![Vec::new(); (MAX_ENTRIES / count).clamp(1, MAX_ROWS.min(count))];
         for (number, fill) in trims.fills().enumerate() {
             for segment in fill.loops.iter().flat_map(TrimLoop::segments) {
                 let heights = segment.points().iter().map(|point| point.y);
-                let least = heights.clone().fold(f64::INFINITY, f64::min);
-                let most = heights.fold(f64::NEG_INFINITY, f64::max);
-                let (first, last) = (row_of(least, rows.len()), row_of(most, rows.len()));
+                let min = heights.clone().fold(f64::INFINITY, f64::min);
+                let max = heights.fold(f64::NEG_INFINITY, f64::max);
+                let (first, last) = (row_of(min, rows.len()), row_of(max, rows.len()));
                 for row in &mut rows[first..=last] {
                     row.push((number, segment));
                 }

@@ -153,12 +153,12 @@ fn picture_name(text: &str) -> (&str, bool) {
     let mut options = false;
     loop {
         let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-        let Some((_, most)) = OPTIONS.iter().find(|(option, _)| *option == word) else {
+        let Some((_, max)) = OPTIONS.iter().find(|(option, _)| *option == word) else {
             return (rest, options);
         };
         options = true;
         rest = after.trim_start();
-        for argument in 0..*most {
+        for argument in 0..*max {
             let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
             // The first argument may be a word; those that may be missing are numbers.
             if after.is_empty() || argument > 0 && word.parse::<f32>().is_err() {

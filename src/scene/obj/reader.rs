@@ -240,8 +240,8 @@ impl Obj {
         if !self.colors.is_empty() {
             self.colors.resize(self.positions.len(), [1.0; 3]);
             // Some programs write them as bytes.
-            let most = self.colors.iter().flatten().copied().fold(1.0, f32::max);
-            let whole = if most > 1.0 { 255.0 } else { 1.0 };
+            let max = self.colors.iter().flatten().copied().fold(1.0, f32::max);
+            let whole = if max > 1.0 { 255.0 } else { 1.0 };
             for value in self.colors.iter_mut().flatten() {
                 *value = (*value / whole).clamp(0.0, 1.0);
             }
@@ -381,7 +381,7 @@ fn missing(corner: &Corner, [positions, coordinates, normals]: [usize; 3]) -> Op
 fn numbers<'a, const N: usize>(
     what: &str,
     words: impl Iterator<Item = &'a str>,
-    most: usize,
+    max: usize,
 ) -> Result<[f64; N], String> {
     let mut values = [0.0; N];
     let mut count = 0;
@@ -392,7 +392,7 @@ fn numbers<'a, const N: usize>(
         }
         count += 1;
     }
-    if (N..=most).contains(&count) {
+    if (N..=max).contains(&count) {
         Ok(values)
     } else {
         Err(format!("the {what} has {count} numbers; expected {N}"))

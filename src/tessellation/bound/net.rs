@@ -76,28 +76,28 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
     pub(crate) fn outside(&self) -> T {
         let token = self.token();
         let w = self.axes[3].as_flattened();
-        let mut most = T::all(token, f64::NEG_INFINITY);
+        let mut max = T::all(token, f64::NEG_INFINITY);
         for axis in &self.axes[..3] {
             let mut above = T::all(token, f64::INFINITY);
             let mut below = T::all(token, f64::NEG_INFINITY);
             for (value, w) in axis.as_flattened().iter().zip(w) {
-                above = above.least(*value - *w);
-                below = below.most(*value + *w);
+                above = above.smaller(*value - *w);
+                below = below.larger(*value + *w);
             }
-            most = most.most(above).most(T::all(token, 0.0) - below);
+            max = max.larger(above).larger(T::all(token, 0.0) - below);
         }
-        most
+        max
     }
 
     /// The least weight, and the least clip w of the points themselves.
     #[inline(always)]
     fn least_weight_and_depth(&self) -> [T; 2] {
         let [_, _, _, w, weight] = &self.axes;
-        let mut least = [T::all(self.token(), f64::INFINITY); 2];
+        let mut min = [T::all(self.token(), f64::INFINITY); 2];
         for (w, weight) in w.as_flattened().iter().zip(weight.as_flattened()) {
-            least = [least[0].least(*weight), least[1].least(*w / *weight)];
+            min = [min[0].smaller(*weight), min[1].smaller(*w / *weight)];
         }
-        least
+        min
     }
 
     /// Bounds the patches on a screen.
@@ -106,38 +106,38 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         let token = self.token();
         let [x, y, _, w, _] = &self.axes;
         let (x, y, w) = (x.as_flattened(), y.as_flattened(), w.as_flattened());
-        let (mut least_w, mut greatest_w) = (T::all(token, f64::INFINITY), T::all(token, 0.0));
+        let (mut min_w, mut max_w) = (T::all(token, f64::INFINITY), T::all(token, 0.0));
         let empty = [T::all(token, f64::INFINITY), T::all(token, f64::NEG_INFINITY)];
         let mut ranges = [empty; 2];
         for ((x, y), w) in x.iter().zip(y).zip(w) {
-            least_w = least_w.least(*w);
-            greatest_w = greatest_w.most(*w);
+            min_w = min_w.smaller(*w);
+            max_w = max_w.larger(*w);
             let inverse = T::all(token, 1.0) / *w;
             for (range, value) in ranges.iter_mut().zip([*x, *y]) {
                 let value = value * inverse;
-                *range = [range[0].least(value), range[1].most(value)];
+                *range = [range[0].smaller(value), range[1].larger(value)];
             }
         }
-        let [least_weight, least_depth] = if self.weighed {
+        let [min_weight, min_depth] = if self.weighed {
             self.least_weight_and_depth()
         } else {
-            [T::all(token, 1.0), least_w]
+            [T::all(token, 1.0), min_w]
         };
         let near = T::all(token, screen.near);
-        let seen = Seen::new(screen, least_w, ranges);
-        let across_near = Seen::across_near(screen, near * least_weight);
-        let seen = seen.choose_if_at_most([near, least_depth], &across_near);
+        let seen = Seen::new(screen, min_w, ranges);
+        let across_near = Seen::across_near(screen, near * min_weight);
+        let seen = seen.choose_if_at_most([near, min_depth], &across_near);
         let [uu, uv, vv] = self.squares(&seen);
         let degree = (N - 1) as f64;
         let second = T::all(token, degree * (degree - 1.0));
-        let depth_ratio = greatest_w / seen.nearest;
+        let depth_ratio = max_w / seen.nearest;
         let diagonal = T::all(token, 2.0 * screen.half.length());
         let width = T::all(token, 2.0 * screen.half.x) * seen.spread[0];
         let height = T::all(token, 2.0 * screen.half.y) * seen.spread[1];
-        let extent = (width * width + height * height).sqrt().least(diagonal);
+        let extent = (width * width + height * height).sqrt().smaller(diagonal);
         // Rasterisers interpolate what is divided by w, in `f32`.
         let interpolation = T::all(token, ROUNDING_UNIT) * depth_ratio * extent;
-        let depth = least_depth.most(near);
+        let depth = min_depth.larger(near);
         Bound {
             curvature: Curvature {
                 uu: second * uu.sqrt(),
@@ -147,7 +147,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
             rounding: T::all(token, rounding.pixels(screen)) / depth + interpolation,
             depth_ratio,
             extent,
-            least_depth,
+            min_depth,
         }
     }
 
@@ -179,17 +179,17 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         let [mut uu, mut uv, mut vv] = [zero; 3];
         for row in &along_u {
             for i in 0..N - 2 {
-                uu = uu.most(seen.squared(difference(row[i + 1], row[i])));
+                uu = uu.larger(seen.squared(difference(row[i + 1], row[i])));
             }
         }
         for row in 0..N - 1 {
             for (next, here) in along_u[row + 1].iter().zip(&along_u[row]).take(N - 1) {
-                uv = uv.most(seen.squared(difference(*next, *here)));
+                uv = uv.larger(seen.squared(difference(*next, *here)));
             }
         }
         for i in 0..N - 2 {
             for (next, here) in along_v[i + 1].iter().zip(&along_v[i]) {
-                vv = vv.most(seen.squared(difference(*next, *here)));
+                vv = vv.larger(seen.squared(difference(*next, *here)));
             }
         }
         [uu, uv, vv]
@@ -261,23 +261,23 @@ impl Seen<f64> {
 impl<T: Number> Seen<T> {
     /// For ranges [least, greatest] of x/w and y/w.
     #[inline(always)]
-    pub(crate) fn new(screen: &Screen, least_w: T, ranges: [[T; 2]; 2]) -> Self {
+    pub(crate) fn new(screen: &Screen, min_w: T, ranges: [[T; 2]; 2]) -> Self {
         // Rounding must not narrow the ranges, nor shorten their halves.
         const WIDER: f64 = 1e-15;
-        let token = least_w.token();
+        let token = min_w.token();
         let (wider, one) = (T::all(token, WIDER), T::all(token, 1.0));
         let (half, minus_one) = (T::all(token, 0.5), T::all(token, -1.0));
         let mut px = [one; 2];
         let (mut middle, mut spread, mut reach) = (px, px, px);
         for axis in 0..2 {
-            let low = (ranges[axis][0] - wider).most(minus_one).least(one);
-            let high = (ranges[axis][1] + wider).most(minus_one).least(one);
-            px[axis] = T::all(token, screen.half[axis]) / least_w;
+            let low = (ranges[axis][0] - wider).larger(minus_one).smaller(one);
+            let high = (ranges[axis][1] + wider).larger(minus_one).smaller(one);
+            px[axis] = T::all(token, screen.half[axis]) / min_w;
             middle[axis] = half * (low + high);
             spread[axis] = half * (high - low) + wider;
             reach[axis] = px[axis] * spread[axis];
         }
-        Self { px, middle, spread, reach, nearest: least_w }
+        Self { px, middle, spread, reach, nearest: min_w }
     }
 
     /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat};
 
 /// The most lanes that any processor has.
-pub(super) const MOST_LANES: usize = 8;
+pub(super) const MAX_LANES: usize = 8;
 
 /// A number of each of one or more patches, called lanes. An operation does the same to each lane, and
 /// a lane's bits do not depend on the others, nor on how many there are.
@@ -36,10 +36,10 @@ pub(crate) trait Number:
     fn ceil(self) -> Self;
 
     /// The larger of two numbers, and either of them if one is NaN: what processors do in one step.
-    fn most(self, other: Self) -> Self;
+    fn larger(self, other: Self) -> Self;
 
     /// The smaller, and either if one is NaN.
-    fn least(self, other: Self) -> Self;
+    fn smaller(self, other: Self) -> Self;
 
     /// The first of the two choices where this number is at most the other; the second where it is not or
     /// one of them is NaN.
@@ -85,12 +85,12 @@ impl Number for f64 {
     }
 
     #[inline]
-    fn most(self, other: Self) -> Self {
+    fn larger(self, other: Self) -> Self {
         if self > other { self } else { other }
     }
 
     #[inline]
-    fn least(self, other: Self) -> Self {
+    fn smaller(self, other: Self) -> Self {
         if self < other { self } else { other }
     }
 
@@ -147,12 +147,12 @@ impl<S: Simd> Number for Lanes<S> {
     }
 
     #[inline(always)]
-    fn most(self, other: Self) -> Self {
+    fn larger(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
 
     #[inline(always)]
-    fn least(self, other: Self) -> Self {
+    fn smaller(self, other: Self) -> Self {
         Self(self.0.min(other.0))
     }
 

@@ -3,7 +3,7 @@
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::net::{ClipNet, Points, ToClip};
-use super::number::{Lanes, MOST_LANES, Number};
+use super::number::{Lanes, MAX_LANES, Number};
 use super::{Bound, Rounding, Screen};
 
 /// How many patches are bounded in one go; asking the processor what it can do must not cost.
@@ -70,11 +70,11 @@ fn side_by_side<const N: usize, S: Simd>(
     screen: &Screen,
     needs: &mut [Option<Need>],
 ) {
-    const { assert!(Lanes::<S>::LANES <= MOST_LANES) };
+    const { assert!(Lanes::<S>::LANES <= MAX_LANES) };
     for patches in patches.chunks(Lanes::<S>::LANES) {
         // The last one fills what lanes are left.
         let last = patches.len() - 1;
-        let points: [&Points<N>; MOST_LANES] =
+        let points: [&Points<N>; MAX_LANES] =
             std::array::from_fn(|lane| patches[lane.min(last)].points);
         let weighed = patches.iter().any(|patch| patch.weighed);
         let net: ClipNet<N, Lanes<S>> = ClipNet::new(simd, |lane| points[lane], weighed, to_clip);

@@ -1,14 +1,14 @@
 //! Patches in parts: halved until each part needs few cells, or is not seen.
 
-use super::{MOST_CELLS, Plan, State, raise};
+use super::{MAX_CELLS, Plan, State, raise};
 use crate::tessellation::bound::{Bound, ClipNet, Need, Rounding, Screen};
 
 /// Cells a side beyond which a patch is drawn in parts. Parts have bounds of their own, and what is not
 /// seen of them is not drawn; very small ones cost more than they save. The teapot at 0.5 px has 34,562
 /// triangles with 32 here, 27,492 with 16 and 27,158 with 12.
-const MOST_WHOLE: f64 = 16.0;
+const MAX_WHOLE: f64 = 16.0;
 /// A patch has at most 2⁷ parts along a side.
-const MOST_HALVINGS: u8 = 7;
+const MAX_HALVINGS: u8 = 7;
 /// How often a part is halved further to tell its error.
 const DEEPER: u32 = 6;
 
@@ -33,7 +33,7 @@ impl Plan {
     ) -> State {
         let extent = need.bound.extent as f32;
         let [along_u, along_v] = need.levels;
-        if along_u <= MOST_WHOLE && along_v <= MOST_WHOLE && !is_too_deep(&need.bound, screen) {
+        if along_u <= MAX_WHOLE && along_v <= MAX_WHOLE && !is_too_deep(&need.bound, screen) {
             let cells = self.settle(need, screen, rounding, net);
             return State { drawn: true, cells, extent, ..State::default() };
         }
@@ -51,7 +51,7 @@ impl Plan {
         rounding: &Rounding,
         net: impl Fn() -> ClipNet<N>,
     ) -> [u8; 2] {
-        let cells = need.levels.map(|level| level.min(MOST_CELLS.into()));
+        let cells = need.levels.map(|level| level.min(MAX_CELLS.into()));
         let mut error = need.error;
         if cells != need.levels || error > screen.tolerance() {
             error = left_over(&net(), &need.bound, cells, screen, rounding, DEEPER);
@@ -79,7 +79,7 @@ impl Plan {
         let too_deep = is_too_deep(&need.bound, screen);
         let levels = need.levels;
         let may_be_halved = [0, 1].map(|axis| {
-            (levels[axis] > MOST_WHOLE || too_deep) && part.halvings[axis] < MOST_HALVINGS
+            (levels[axis] > MAX_WHOLE || too_deep) && part.halvings[axis] < MAX_HALVINGS
         });
         let axis = match may_be_halved {
             [false, false] => {
@@ -105,8 +105,8 @@ impl Plan {
     /// Spreads the leaves over a grid of parts that all have the size of the smallest.
     fn gather(&mut self) -> State {
         let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
-        let most = |axis: usize| seen().map(|leaf| leaf.halvings[axis]).max();
-        let (Some(along_u), Some(along_v)) = (most(0), most(1)) else { return State::default() };
+        let max = |axis: usize| seen().map(|leaf| leaf.halvings[axis]).max();
+        let (Some(along_u), Some(along_v)) = (max(0), max(1)) else { return State::default() };
         let halvings = [along_u, along_v];
         let first_cell = self.new_cells(halvings);
         for leaf in &self.leaves {

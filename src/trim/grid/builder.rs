@@ -253,9 +253,9 @@ impl Builder<'_> {
     /// The uniform grid of a crowded cell; a coarser one if its pieces are large, so that the references
     /// do not outgrow them.
     fn finer(&self, groups: &[Group], count: usize, [columns, rows]: [Bounds; 2]) -> UniformGrid {
-        const MOST_REFERENCES_PER_PIECE: f32 = 6.0;
-        let (least, most) = (Vec2::new(columns[0], rows[0]), Vec2::new(columns[1], rows[1]));
-        let extent = most - least;
+        const MAX_REFERENCES_PER_PIECE: f32 = 6.0;
+        let (min, max) = (Vec2::new(columns[0], rows[0]), Vec2::new(columns[1], rows[1]));
+        let extent = max - min;
         let mut side = finer_side(count);
         let cells_at = |side: u32| -> f32 {
             let cells = |reference: &Reference| {
@@ -265,10 +265,10 @@ impl Builder<'_> {
             };
             groups.iter().flat_map(|group| &group.references).map(cells).sum()
         };
-        while side > 1 && cells_at(side) > MOST_REFERENCES_PER_PIECE * count as f32 {
+        while side > 1 && cells_at(side) > MAX_REFERENCES_PER_PIECE * count as f32 {
             side /= 2;
         }
-        UniformGrid::new(least, most, side)
+        UniformGrid::new(min, max, side)
     }
 
     /// Whether every row that the pieces of a group reach is left as often as it is entered.
@@ -288,13 +288,13 @@ impl Builder<'_> {
 
     /// The columns and rows that the pieces of a group touch together.
     fn touched(&self, columns: &[Bounds], rows: &[Bounds], group: &Group) -> [Range<usize>; 2] {
-        let (mut least, mut most) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for reference in &group.references {
             let piece = &self.member(*reference).piece;
-            least = least.min(piece.low.min(piece.high));
-            most = most.max(piece.low.max(piece.high));
+            min = min.min(piece.low.min(piece.high));
+            max = max.max(piece.low.max(piece.high));
         }
-        [touched(columns, [least.x, most.x]), touched(rows, [least.y, most.y])]
+        [touched(columns, [min.x, max.x]), touched(rows, [min.y, max.y])]
     }
 
     /// The winding number at the corner of each cell, at its right and its bottom.
@@ -314,11 +314,11 @@ impl Builder<'_> {
             }
             for row in rows_below(piece.low.y)..rows_below(piece.high.y) {
                 let v = rows[row][0];
-                let [least, most] = piece.u_range();
-                let surely = count_before(columns, least, |[_, right]| *right < least);
+                let [min, max] = piece.u_range();
+                let surely = count_before(columns, min, |[_, right]| *right < min);
                 turns[row * (width + 1)] += turn;
                 turns[row * (width + 1) + surely] -= turn;
-                let maybe = columns[surely..].iter().take_while(|[_, right]| *right < most);
+                let maybe = columns[surely..].iter().take_while(|[_, right]| *right < max);
                 for (column, [_, right]) in (surely..).zip(maybe) {
                     if piece.crosses(Vec2::new(*right, v)) {
                         turns[row * (width + 1) + column] += turn;
@@ -352,9 +352,9 @@ impl Builder<'_> {
         let each = |visit: &mut dyn FnMut(usize, u32)| {
             for reference in &group.references {
                 let piece = &self.member(*reference).piece;
-                let [least, most] = piece.u_range();
+                let [min, max] = piece.u_range();
                 for row in touched(rows, [piece.low.y, piece.high.y]) {
-                    for column in touched(columns, [least, most]) {
+                    for column in touched(columns, [min, max]) {
                         visit(row * columns.len() + column, reference.piece);
                     }
                 }

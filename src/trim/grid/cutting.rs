@@ -22,13 +22,13 @@ pub(super) struct FilledCurve {
 /// The uniform grid for so many curves: about 4 cells for each, fewer if that cut long curves into too
 /// many pieces. None if the curves hold nothing between them.
 pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
-    let mut least = Vec2::INFINITY;
-    let mut most = Vec2::NEG_INFINITY;
+    let mut min = Vec2::INFINITY;
+    let mut max = Vec2::NEG_INFINITY;
     for piece in curves.iter().filter_map(|curve| Piece::new(&curve.curve)) {
-        least = least.min(piece.low.min(piece.high));
-        most = most.max(piece.low.max(piece.high));
+        min = min.min(piece.low.min(piece.high));
+        max = max.max(piece.low.max(piece.high));
     }
-    if !least.cmplt(most).all() {
+    if !min.cmplt(max).all() {
         return None;
     }
     // A power of two, because programs are compiled for each.
@@ -65,9 +65,9 @@ pub(super) fn cut_to_cells(curves: &[FilledCurve], uniform_grid: &UniformGrid) -
     let mut counts = vec![0_u32; uniform_grid.count()];
     let cells_of = |part: &FilledCurve| {
         let part = &part.curve;
-        let (least, most) = (part[0].min(part[3]).as_vec2(), part[0].max(part[3]).as_vec2());
-        let columns = touched(&columns, [least.x, most.x]);
-        touched(&rows, [least.y, most.y])
+        let (min, max) = (part[0].min(part[3]).as_vec2(), part[0].max(part[3]).as_vec2());
+        let columns = touched(&columns, [min.x, max.x]);
+        touched(&rows, [min.y, max.y])
             .flat_map(move |row| columns.clone().map(move |column| (row, column)))
             .map(|(row, column)| row * uniform_grid.size.x as usize + column)
     };
