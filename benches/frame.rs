@@ -66,7 +66,7 @@ fn main() {
             let mesh = static_mesh::of_surface(gl, &scene, thesis_normal);
             let surface = &scene.surfaces[0];
             let texture = surface.paint.upload(gl).expect("the picture fits");
-            let look = StaticStyle {
+            let style = StaticStyle {
                 method: Method::Thesis,
                 shading: Shading::Phong,
                 trims: TrimFeatures { circles: true, ..TrimFeatures::NONE },
@@ -85,13 +85,13 @@ fn main() {
             criterion.bench_function(&format!("tessellated: {name}"), |b| b.iter(&mut tessellated));
             let mut still = Renderer::new(gl).expect("a renderer");
             let circle = surface.trims.circles[0];
-            let program = still.program(look.key(Output::Picture, false)).expect("it links");
+            let program = still.program(style.key(Output::Picture, false)).expect("it links");
             program.set_i32(location::CIRC_BOOL, 1);
             program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());
             program.set_f32(location::TRIM_RADIUS, circle.radius as f32);
             let mut static_mesh = || {
                 still.clear(frame.settings.background);
-                still.draw_static(black_box(&mesh), &look, &frame).expect("it draws");
+                still.draw_static(black_box(&mesh), &style, &frame).expect("it draws");
                 gl.finish();
             };
             criterion.bench_function(&format!("static mesh: {name}"), |b| b.iter(&mut static_mesh));

@@ -163,7 +163,7 @@ fn on_the_gpu() {
             let step = smooth(mesh.clone(), smoothing, 1).expect("a torus");
             let mesh_of_step = static_mesh::of_mesh(gl, &step);
             let grey = Paint::Color([0.8; 3]).upload(gl).expect("a texel");
-            let look = StaticStyle {
+            let style = StaticStyle {
                 method: Method::Exact,
                 shading: Shading::Phong,
                 trims: TrimFeatures::NONE,
@@ -177,7 +177,7 @@ fn on_the_gpu() {
                 },
                 &mut || {
                     still.clear(frame.settings.background);
-                    still.draw_static(&mesh_of_step, &look, &frame).expect("it draws");
+                    still.draw_static(&mesh_of_step, &style, &frame).expect("it draws");
                     gl.finish();
                 },
             ]);

@@ -116,7 +116,7 @@ fn static_meshes(gl: &Gl) {
             let mut ours = Drawn::new(gl, &scene, (SIDE, SIDE));
             let mesh = static_mesh::of_surface(gl, &scene, exact_normal);
             let texture = scene.surfaces[0].paint.upload(gl).expect("the picture fits");
-            let look = StaticStyle {
+            let style = StaticStyle {
                 method: Method::Exact,
                 shading: Shading::Phong,
                 trims: TrimFeatures::NONE,
@@ -126,7 +126,7 @@ fn static_meshes(gl: &Gl) {
             let mut still = Renderer::new(gl).expect("a renderer");
             let ms = in_turns(&mut [&mut || ours.draw(), &mut || {
                 still.clear(frame.settings.background);
-                still.draw_static(&mesh, &look, &frame).expect("it draws");
+                still.draw_static(&mesh, &style, &frame).expect("it draws");
                 gl.finish();
             }]);
             let bar = if cells >= 8 { "≤ 1.3" } else { "≤ 1.8" };

@@ -74,7 +74,7 @@ struct RenderArguments {
     resolution: (u32, u32),
 
     #[command(flatten)]
-    look: LookArguments,
+    style: LookArguments,
 
     /// How meshes become smooth surfaces: none, pn or phong, instead of the scene's.
     #[arg(long, value_name = "METHOD", value_parser = smoothing)]
@@ -145,7 +145,7 @@ struct MeasureArguments {
     resolution: (u32, u32),
 
     #[command(flatten)]
-    look: LookArguments,
+    style: LookArguments,
 
     /// Measure this many views by chance instead of the scene's own: far away, inside, very near,
     /// grazing, in turns.

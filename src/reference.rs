@@ -19,7 +19,7 @@ use crate::bezier::{Patch, homogeneous};
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::{CONTROL_POINT_PX, Image, Method, RenderSettings, Scene, Surface};
-use crate::tessellation::{FixedParts, Parts};
+use crate::tessellation::{FixedSplit, Split};
 use crate::thesis::newton::{Newton, NewtonTrims};
 use crate::trim::{TrimGrid, Trims};
 use raster::{Raster, Sample, Vertex};
@@ -87,7 +87,7 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
         for (patch_number, patch) in surface.patches().enumerate() {
             let level = settings.tessellation.level().get() as usize;
             let vertices = view.vertices(&patch, level);
-            for triangle in triangles(view.parts) {
+            for triangle in triangles(view.split) {
                 let corners = triangle.map(|corner| vertices[corner]);
                 let mut shade = |sample: &Sample| {
                     let vertex = &sample.vertex;
@@ -197,7 +197,7 @@ struct SurfaceView<'a> {
     sampler: Sampler<'a>,
     method: Method,
     /// Into which a patch is cut.
-    parts: Parts,
+    split: Split,
 }
 
 impl<'a> SurfaceView<'a> {
@@ -207,11 +207,11 @@ impl<'a> SurfaceView<'a> {
         settings: &RenderSettings,
         method: Method,
     ) -> Result<Self> {
-        let parts = match method {
-            Method::Thesis => Parts::of(settings.tessellation.level()),
+        let split = match method {
+            Method::Thesis => Split::of(settings.tessellation.level()),
             Method::Exact => {
                 let level = settings.tessellation.level();
-                FixedParts::new(&TrimGrid::new(&surface.trims), level).parts
+                FixedSplit::new(&TrimGrid::new(&surface.trims), level).split
             }
         };
         Ok(Self {
@@ -222,7 +222,7 @@ impl<'a> SurfaceView<'a> {
             trims: TrimDecision::new(&surface.trims, settings.newton, method)?,
             sampler: Sampler::new(&surface.paint),
             method,
-            parts,
+            split,
         })
     }
 
@@ -273,9 +273,9 @@ fn true_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
 
 /// The triangles of a square domain, as indices into rows of `level + 1` vertices. Each part of a
 /// patch has its own diagonals.
-fn triangles(parts: Parts) -> impl Iterator<Item = [usize; 3]> {
-    let part = parts.level as usize;
-    let level = part * parts.side as usize;
+fn triangles(split: Split) -> impl Iterator<Item = [usize; 3]> {
+    let part = split.level as usize;
+    let level = part * split.side as usize;
     let index = move |u: usize, v: usize| v * (level + 1) + u;
     (0..level * level).flat_map(move |cell| {
         let (u, v) = (cell % level, cell / level);
@@ -364,7 +364,7 @@ mod tests {
     fn triangles_cover_every_cell_once_without_turning() {
         for level in (1..=9).chain([63, 64]) {
             let corner = |i: usize| DVec2::new((i % (level + 1)) as f64, (i / (level + 1)) as f64);
-            let areas: Vec<f64> = triangles(Parts::of(TessLevel::new(level as i64).unwrap()))
+            let areas: Vec<f64> = triangles(Split::of(TessLevel::new(level as i64).unwrap()))
                 .map(|[a, b, c]| (corner(b) - corner(a)).perp_dot(corner(c) - corner(a)))
                 .collect();
             assert_eq!(areas.len(), 2 * level * level);

@@ -34,7 +34,7 @@ use crate::error::Result;
 use crate::gpu::{Gl, Program, Texture, VertexArray, check_context, draw_size, keep_memory};
 use crate::programs::{Output, Pipeline, ProgramKey, Sources, TrimFeatures, location};
 use crate::scene::{CONTROL_POINT_PX, Paint, RenderSettings, Shading};
-use crate::tessellation::{DrawSize, Part};
+use crate::tessellation::{DrawSize, SubPatch};
 
 /// Draws surfaces with the OpenGL context of its caller.
 ///
@@ -55,7 +55,7 @@ pub struct Renderer {
     sources: Sources,
     programs: HashMap<ProgramKey, Rc<Program>>,
     points_array: VertexArray,
-    parts_array: VertexArray,
+    sub_patches_array: VertexArray,
     corners_array: VertexArray,
     flat_array: VertexArray,
     bare_array: VertexArray,
@@ -91,7 +91,7 @@ impl Renderer {
             sources,
             programs: HashMap::new(),
             points_array: VertexArray::of::<Vec4>(gl, "control points")?,
-            parts_array: VertexArray::of::<Part>(gl, "parts of patches")?,
+            sub_patches_array: VertexArray::of::<SubPatch>(gl, "sub-patches")?,
             corners_array: VertexArray::of::<SmoothCorner>(gl, "corners of smooth triangles")?,
             flat_array: VertexArray::of::<FlatCorner>(gl, "corners of flat triangles")?,
             bare_array: VertexArray::of::<BareCorner>(gl, "bare corners of flat triangles")?,
@@ -218,7 +218,7 @@ impl Renderer {
     /// Leaves no program and no vertex array bound, and polygons filled.
     pub(crate) fn release(&self) {
         self.points_array.unbind();
-        self.parts_array.unbind();
+        self.sub_patches_array.unbind();
         self.corners_array.unbind();
         self.flat_array.unbind();
         self.bare_array.unbind();

@@ -104,7 +104,7 @@ fn chromium() -> Option<&'static str> {
 
 /// What a browser says of a page that is 400 pixels wide: its width when it is laid out, how many of its
 /// pictures and plots have no alternative text, and how many there are; and what stands in the console.
-fn look(browser: &str, folder: &Folder, page: &str) -> ([usize; 3], String) {
+fn style(browser: &str, folder: &Folder, page: &str) -> ([usize; 3], String) {
     let source = page.replace('&', "&amp;").replace('"', "&quot;");
     let frame = format!(
         r#"<!DOCTYPE html><iframe id="page" width="400" height="800" srcdoc="{source}"></iframe>
@@ -143,12 +143,12 @@ fn a_browser_shows_the_page_on_a_phone_without_complaint() {
     let output = folder.run(&["report", "--quick", "--out", "r", "--resources", RESOURCES]);
     assert!(output.status.success(), "{output:?}");
     let page = std::fs::read_to_string(folder.path("r/index.html")).unwrap();
-    let ([width, unnamed, pictures], console) = look(browser, &folder, &page);
+    let ([width, unnamed, pictures], console) = style(browser, &folder, &page);
     assert!(width <= 400 && pictures > 40, "{width} pixels wide, {pictures} pictures");
     assert_eq!((unnamed, console.as_str()), (0, ""));
     // The looking itself notices what is wrong.
     let bad = r#"<p style="width: 500px">a<img src="data:,"><script>console.error("bad")</script>"#;
-    let ([width, unnamed, _], console) = look(browser, &folder, bad);
+    let ([width, unnamed, _], console) = style(browser, &folder, bad);
     assert!(width > 500 && unnamed == 1 && console.contains("bad"), "{width} {unnamed} {console}");
 }
 

@@ -56,9 +56,9 @@ fn draw(scene: &Scene, method: Method) -> (Measurement, FrameStats) {
 
 fn check(name: &str, thesis: &[Fault]) {
     let scene = scene(name);
-    let (found, figures) = draw(&scene, Method::Exact);
-    let numbers = (found.crack_pixels + found.hidden_pixels, found.bad_values, figures.unmet);
-    assert_eq!(numbers, (0, 0, None), "{name}: {found:?} {figures:?}");
+    let (found, stats) = draw(&scene, Method::Exact);
+    let numbers = (found.crack_pixels + found.hidden_pixels, found.bad_values, stats.unmet);
+    assert_eq!(numbers, (0, 0, None), "{name}: {found:?} {stats:?}");
     assert!(found.max_error_px <= 0.5, "{name}: {found:?}");
     assert!(found.normal_error_deg <= 0.1, "{name}: {found:?}");
     // What has a size on the screen is seen.
@@ -111,8 +111,8 @@ cases! {
 #[test]
 fn what_is_flat_or_far_takes_two_triangles() {
     for name in ["flat", "far"] {
-        let (_, figures) = draw(&scene(name), Method::Exact);
-        assert_eq!((figures.triangles, figures.draws), (2, 1), "{name}");
+        let (_, stats) = draw(&scene(name), Method::Exact);
+        assert_eq!((stats.triangles, stats.draws), (2, 1), "{name}");
     }
 }
 

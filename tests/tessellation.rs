@@ -312,12 +312,12 @@ fn half_a_pixel_of_the_teapot_takes_45_000_triangles() {
     let scene = load(&root().join("resources/scenes/gallery/teapot.toml"));
     let mut prepared = stage.prepared(&scene);
     stage.picture(&mut prepared, &stage.frame(&scene));
-    let figures = prepared.stats();
-    assert_eq!((figures.patches, figures.culled, figures.unmet), (32, 0, None), "{figures:?}");
-    assert!((1_000..=45_000).contains(&figures.triangles), "{figures:?}");
-    assert!(figures.largest_bound.is_some_and(|bound| bound <= 0.5), "{figures:?}");
+    let stats = prepared.stats();
+    assert_eq!((stats.patches, stats.culled, stats.unmet), (32, 0, None), "{stats:?}");
+    assert!((1_000..=45_000).contains(&stats.triangles), "{stats:?}");
+    assert!(stats.largest_bound.is_some_and(|bound| bound <= 0.5), "{stats:?}");
     let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
-    assert_eq!(drawn.len() as u64, 3 * figures.triangles);
+    assert_eq!(drawn.len() as u64, 3 * stats.triangles);
 }
 
 /// A rough field of so many patches a side.
@@ -349,12 +349,12 @@ fn draws_of_many_patches_are_few_and_whole() {
         let wrong = found.crack_pixels + found.hidden_pixels + found.bad_values;
         assert_eq!(wrong, 0, "{found:?}");
         assert!(found.max_error_px <= 0.5, "{found:?}");
-        let figures = prepared.stats();
-        assert_eq!((figures.patches, figures.culled), (side * side, 0), "{figures:?}");
+        let stats = prepared.stats();
+        assert_eq!((stats.patches, stats.culled), (side * side, 0), "{stats:?}");
         // A patch of n × m cells has somewhat more than n · m vertices, half as many as triangles.
-        let (draws, vertices) = (figures.draws as u64, figures.triangles / 2);
-        assert!(vertices > 300_000 && draws * 65_535 > vertices, "{figures:?}");
-        assert!(draws <= 1 + vertices / 400, "{figures:?}");
+        let (draws, vertices) = (stats.draws as u64, stats.triangles / 2);
+        assert!(vertices > 300_000 && draws * 65_535 > vertices, "{stats:?}");
+        assert!(draws <= 1 + vertices / 400, "{stats:?}");
     }
 }
 
@@ -401,10 +401,10 @@ fn patches_out_of_sight_are_culled_and_not_missed() {
 
         let mut prepared = stage.prepared(&scene);
         let picture = stage.picture(&mut prepared, &frame);
-        let figures = prepared.stats();
-        assert_eq!(figures.patches, SIDE * SIDE);
+        let stats = prepared.stats();
+        assert_eq!(stats.patches, SIDE * SIDE);
         // Of the others all parts may be out of sight.
-        let not_culled = figures.patches - figures.culled;
+        let not_culled = stats.patches - stats.culled;
         assert!((shown..=seen.len()).contains(&not_culled), "{eye}: {not_culled}, {shown}");
         // The field's first and last patch keep its box, from whose middle coordinates are rounded.
         let ends = [patches.clone().next(), patches.clone().last()].map(Option::unwrap);
@@ -556,10 +556,10 @@ fn check_moved_by(distance: f64) {
     }
     let frame = stage.frame(&scene);
     let found = stage.measured(&scene, &mut prepared, &frame);
-    let figures = prepared.stats();
-    assert!(found.covered > 10_000 && figures.unmet.is_none(), "{found:?} {figures:?}");
+    let stats = prepared.stats();
+    assert!(found.covered > 10_000 && stats.unmet.is_none(), "{found:?} {stats:?}");
     let wrong = found.crack_pixels + found.hidden_pixels;
-    assert!(found.max_error_px <= 0.5 && wrong == 0, "{found:?} {figures:?}");
+    assert!(found.max_error_px <= 0.5 && wrong == 0, "{found:?} {stats:?}");
 }
 
 #[test]

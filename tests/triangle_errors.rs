@@ -73,14 +73,14 @@ fn everything_that_is_drawn_is_within_the_tolerance() {
                     let frame = Frame { settings, ..stage.frame(&scene) };
                     let drawn = stage.triangles(&mut prepared, &frame);
                     let _ = stage.picture(&mut prepared, &frame);
-                    let figures = prepared.stats();
-                    if figures.unmet.is_some() {
+                    let stats = prepared.stats();
+                    if stats.unmet.is_some() {
                         unmet += 1;
                         continue;
                     }
                     let (off, count) = off_by(&pieces, &drawn, &frame, stage.size);
-                    let bound = figures.largest_bound.unwrap_or(0.0);
-                    assert!(bound <= tolerance, "{name}: {figures:?}");
+                    let bound = stats.largest_bound.unwrap_or(0.0);
+                    assert!(bound <= tolerance, "{name}: {stats:?}");
                     assert!(
                         off <= bound,
                         "{name}, {smoothing:?}, view {index}: {off} px, {bound} at most, \
@@ -108,8 +108,8 @@ fn check_no_background_inside(name: &str, mesh: &Mesh, views: usize, is_round: b
         let pieces = pieces(&scene);
         let (mut drawn, mut near_enough) = (0, 0);
         for index in 0..views {
-            let look = [Look::Far, Look::Near, Look::Grazing][index % 3];
-            scene.camera = Some(view(&pieces, &mut random, look));
+            let style = [Look::Far, Look::Near, Look::Grazing][index % 3];
+            scene.camera = Some(view(&pieces, &mut random, style));
             let uniform = at_level([1, 2, 3, 5, 8, 16][index % 6]);
             for settings in [uniform, within([0.3, 1.0, 3.0][index / 3 % 3])] {
                 let frame = Frame { settings, ..stage.frame(&scene) };

@@ -45,8 +45,8 @@ fn holds(name: &str, open: usize) {
     for index in 0..12 {
         // The first view is the scene's own.
         if index > 0 {
-            let look = [Look::Far, Look::Near, Look::Grazing][index % 3];
-            scene.camera = Some(view(&pieces, &mut random, look));
+            let style = [Look::Far, Look::Near, Look::Grazing][index % 3];
+            scene.camera = Some(view(&pieces, &mut random, style));
         }
         let levels = [1, 2, 3, 8].map(at_level);
         for settings in [within(0.5)].into_iter().chain(levels) {

@@ -134,8 +134,8 @@ fn check_all_edges(stage: &mut Stage, smoothing: Smoothing) {
         }
         let mut uneven = 0;
         for index in 0..24 {
-            let look = [Look::Far, Look::Near, Look::Grazing, Look::Inside][index % 4];
-            scene.camera = Some(view(&pieces, &mut random, look));
+            let style = [Look::Far, Look::Near, Look::Grazing, Look::Inside][index % 4];
+            scene.camera = Some(view(&pieces, &mut random, style));
             let frame = Frame { settings: within(0.5), ..stage.frame(&scene) };
             let drawn = stage.triangles(&mut prepared, &frame);
             let levels = check_edges(&format!("{name}, view {index}"), &pieces, &drawn);
@@ -258,13 +258,13 @@ fn meshes_and_surfaces_share_a_scene() {
     let mut prepared = stage.prepared(&both);
     let frame = stage.frame(&both);
     let picture = stage.picture(&mut prepared, &frame);
-    let figures = prepared.stats();
+    let stats = prepared.stats();
     assert!(count_drawn(&picture) > 2_000);
     // The second mesh is out of sight, the first is not.
-    assert_eq!((figures.patches, figures.culled), (32 + 2 * 256, 256));
-    assert!(figures.draws > 1 && figures.unmet.is_none(), "{figures:?}");
+    assert_eq!((stats.patches, stats.culled), (32 + 2 * 256, 256));
+    assert!(stats.draws > 1 && stats.unmet.is_none(), "{stats:?}");
     let drawn = stage.triangles(&mut prepared, &frame);
-    assert_eq!(drawn.len() as u64, 3 * figures.triangles);
+    assert_eq!(drawn.len() as u64, 3 * stats.triangles);
     let numbers = drawn.iter().map(|vertex| vertex.patch);
     assert_eq!(numbers.clone().max(), Some(32 + 255));
     assert!((0..32 + 256).all(|patch| numbers.clone().any(|number| number == patch)));
@@ -317,8 +317,8 @@ fn meshes_out_of_sight_are_culled_and_others_are_not_missed() {
     scene.camera = Some(away);
     let frame = stage.frame(&scene);
     assert_eq!(count_drawn(&stage.picture(&mut prepared, &frame)), 0);
-    let figures = prepared.stats();
-    assert_eq!((figures.culled, figures.draws, figures.triangles), (260, 0, 0));
+    let stats = prepared.stats();
+    assert_eq!((stats.culled, stats.draws, stats.triangles), (260, 0, 0));
 }
 
 #[test]

@@ -72,7 +72,7 @@ impl<'a> Bench<'a> {
     /// Measures a scene from its own camera, or from cameras by chance.
     fn measure(&mut self, path: &Path, bar: &ProgressBar) -> Result<Report> {
         let mut scene = self.arguments.load.load(path)?;
-        self.arguments.look.apply(&mut scene, path)?;
+        self.arguments.style.apply(&mut scene, path)?;
         // What is compared with are Bézier surfaces, so those are drawn alone.
         scene.meshes.clear();
         if scene.surfaces.is_empty() {
@@ -167,8 +167,8 @@ impl<'a> Bench<'a> {
             let what = format!("numbers for {width}x{height} pixels");
             return Err(Error::Driver { what, reason: complaints.join("; ") });
         }
-        let figures = prepared.stats();
-        Ok((measurement, figures.triangles, times[FRAMES / 2].as_secs_f64() * 1e3, figures.unmet))
+        let stats = prepared.stats();
+        Ok((measurement, stats.triangles, times[FRAMES / 2].as_secs_f64() * 1e3, stats.unmet))
     }
 }
 

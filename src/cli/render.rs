@@ -70,7 +70,7 @@ impl Loaded {
     fn read(path: &Path, arguments: &RenderArguments) -> Result<Self> {
         let start = Instant::now();
         let mut scene = arguments.load.load(path)?;
-        arguments.look.apply(&mut scene, path)?;
+        arguments.style.apply(&mut scene, path)?;
         if let Some(smoothing) = arguments.smoothing {
             scene.meshes.iter_mut().for_each(|mesh| mesh.set_smoothing(smoothing));
         }

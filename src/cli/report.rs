@@ -3,7 +3,7 @@
 mod advice;
 #[cfg(test)]
 mod answers;
-mod lab;
+mod bench;
 mod page;
 mod peers;
 mod plot;
@@ -26,7 +26,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::ReportArguments;
 use crate::io::output::replace;
 use crate::io::say;
-use lab::{Lab, check_resources};
+use bench::{Bench, check_resources};
 use page::{Head, page};
 use row::Row;
 
@@ -48,14 +48,14 @@ pub(super) enum Topic {
 }
 
 impl Topic {
-    fn measure(self, lab: &mut Lab) -> Result<Section> {
+    fn measure(self, bench: &mut Bench) -> Result<Section> {
         match self {
-            Self::Tessellation => tessellation::section(lab),
-            Self::Trimming => trimming::section(lab),
-            Self::Triangles => triangles::section(lab),
-            Self::Scaling => scaling::section(lab),
-            Self::Stability => stability::section(lab),
-            Self::Peers => peers::section(lab),
+            Self::Tessellation => tessellation::section(bench),
+            Self::Trimming => trimming::section(bench),
+            Self::Triangles => triangles::section(bench),
+            Self::Scaling => scaling::section(bench),
+            Self::Stability => stability::section(bench),
+            Self::Peers => peers::section(bench),
         }
     }
 }
@@ -121,7 +121,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         bar.set_style(style);
     }
     let context = Headless::new(arguments.backend)?;
-    let mut lab = Lab::new(
+    let mut bench = Bench::new(
         context,
         Sources::default(),
         arguments.resources.clone(),
@@ -131,8 +131,8 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     let mut sections = Vec::with_capacity(topics.len());
     for (number, topic) in topics.iter().enumerate() {
         bar.set_prefix(format!("section {} of {}", number + 1, topics.len()));
-        sections.push(topic.measure(&mut lab)?);
-        lab.check_driver()?;
+        sections.push(topic.measure(&mut bench)?);
+        bench.check_driver()?;
     }
     bar.finish_and_clear();
     let rows: Vec<&Row> = sections.iter().flat_map(|section| &section.rows).collect();
@@ -142,10 +142,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     }
     let head = Head {
         version: env!("CARGO_PKG_VERSION").into(),
-        driver: lab.driver(),
+        driver: bench.driver(),
         machine: machine(),
-        clock: lab.clock(),
-        size: lab.size,
+        clock: bench.clock(),
+        size: bench.size,
         summary: advice::advice(&rows),
         command: command(arguments),
     };

@@ -2,11 +2,11 @@
 //! picture needs.
 //!
 //! A patch in clip space is a patch of four coordinates, also a rational one. Second differences of
-//! its control points bound how far triangles between its points lie off it, so that each part of
+//! its control points bound how far triangles between its points lie off it, so that each sub-patch of
 //! it gets as many triangles as keep that below [`TOLERANCE_PX`].
 
-mod part;
 mod rows;
+mod sub_patch;
 
 use glam::{DMat4, DVec2, DVec4, UVec2};
 
@@ -17,8 +17,8 @@ use crate::error::Result;
 use crate::scene::{Method, Scene};
 use crate::thesis::newton::Newton;
 use crate::trim::{TrimGrid, Trims};
-use part::Part;
 use rows::TrimRows;
+use sub_patch::SubPatch;
 
 /// How far triangles may lie off the surface, in pixels.
 const TOLERANCE_PX: f64 = 0.03;
@@ -82,8 +82,8 @@ pub fn coverage(
         let cut = Cut::new(&surface.trims, scene.settings.newton, method)?;
         let to_clip = own_clip * projection.view * surface.transform;
         for patch in surface.patches() {
-            let whole = Part::whole(&patch, &to_clip, near_w);
-            whole.cut_up(size, &mut |part, cells| canvas.part(part, cells, &cut));
+            let whole = SubPatch::whole(&patch, &to_clip, near_w);
+            whole.cut_up(size, &mut |sub_patch, cells| canvas.sub_patch(sub_patch, cells, &cut));
         }
     }
     Ok(canvas.into_coverage(&depth))
@@ -213,7 +213,7 @@ struct Spot {
     whole: bool,
     /// Whether trims cut any surface at the centre, one in front or behind.
     cut: bool,
-    /// A part that comes closer to the centre than the tolerance and does not cover it; parts count
+    /// A sub-patch that comes closer to the centre than the tolerance and does not cover it; sub-patches count
     /// from 1.
     beside: u32,
     /// z / w of the nearest surface at the centre.
@@ -228,42 +228,42 @@ impl Default for Spot {
 
 /// The picture in the making.
 ///
-/// Where parts with different numbers of cells meet, gaps open that the surface does not have, at
-/// most as wide as the tolerance. So a centre that is this close to two parts is covered.
+/// Where sub-patches with different numbers of cells meet, gaps open that the surface does not have, at
+/// most as wide as the tolerance. So a centre that is this close to two sub-patches is covered.
 struct Canvas {
     size: UVec2,
     spots: Vec<Spot>,
-    parts: u32,
-    /// The corners of the part that is drawn, kept for their memory.
+    sub_patches: u32,
+    /// The corners of the sub-patch that is drawn, kept for their memory.
     corners: Vec<Corner>,
 }
 
 impl Canvas {
     fn new(size: UVec2) -> Self {
         let spots = vec![Spot::default(); size.x as usize * size.y as usize];
-        Self { size, spots, parts: 0, corners: Vec::new() }
+        Self { size, spots, sub_patches: 0, corners: Vec::new() }
     }
 
-    fn part(&mut self, part: &Part, cells: usize, cut: &Cut<'_>) {
-        self.parts += 1;
+    fn sub_patch(&mut self, sub_patch: &SubPatch, cells: usize, cut: &Cut<'_>) {
+        self.sub_patches += 1;
         let mut corners = std::mem::take(&mut self.corners);
         corners.clear();
-        corners.extend(part.corners(cells));
+        corners.extend(sub_patch.corners(cells));
         for j in 0..cells {
             for i in 0..cells {
                 let a = j * (cells + 1) + i;
                 let c = a + cells + 1;
-                self.triangle([corners[a], corners[a + 1], corners[c + 1]], part, cut);
-                self.triangle([corners[a], corners[c + 1], corners[c]], part, cut);
+                self.triangle([corners[a], corners[a + 1], corners[c + 1]], sub_patch, cut);
+                self.triangle([corners[a], corners[c + 1], corners[c]], sub_patch, cut);
             }
         }
         self.corners = corners;
     }
 
-    fn triangle(&mut self, corners: [Corner; 3], part: &Part, cut: &Cut<'_>) {
+    fn triangle(&mut self, corners: [Corner; 3], sub_patch: &SubPatch, cut: &Cut<'_>) {
         let in_front = corners.map(|corner| corner.in_front() > 0.0);
         if in_front == [true; 3] {
-            self.clipped_triangle(corners, part, cut);
+            self.clipped_triangle(corners, sub_patch, cut);
             return;
         }
         // In front of the near plane are three or four corners, or none.
@@ -283,11 +283,11 @@ impl Canvas {
             }
         }
         for i in 2..count {
-            self.clipped_triangle([polygon[0], polygon[i - 1], polygon[i]], part, cut);
+            self.clipped_triangle([polygon[0], polygon[i - 1], polygon[i]], sub_patch, cut);
         }
     }
 
-    fn clipped_triangle(&mut self, mut corners: [Corner; 3], part: &Part, cut: &Cut<'_>) {
+    fn clipped_triangle(&mut self, mut corners: [Corner; 3], sub_patch: &SubPatch, cut: &Cut<'_>) {
         let size = self.size.as_dvec2();
         let mut places = corners.map(|corner| {
             let ndc = corner.clip.truncate().truncate() / corner.clip.w;
@@ -313,7 +313,7 @@ impl Canvas {
             for x in low.x as usize..high.x as usize {
                 let spot = &mut self.spots[y * self.size.x as usize + x];
                 let center = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                triangle.meet(spot, center, (self.parts, part), cut);
+                triangle.meet(spot, center, (self.sub_patches, sub_patch), cut);
             }
         }
     }
@@ -379,7 +379,13 @@ impl Triangle {
     }
 
     /// Puts what it shows at a pixel's centre into `spot`.
-    fn meet(&self, spot: &mut Spot, center: DVec2, (number, part): (u32, &Part), cut: &Cut<'_>) {
+    fn meet(
+        &self,
+        spot: &mut Spot,
+        center: DVec2,
+        (number, sub_patch): (u32, &SubPatch),
+        cut: &Cut<'_>,
+    ) {
         let mut weights = self.weights(center);
         let covers = (0..3).all(|i| {
             let [from, to] = self.edge(i);
@@ -404,7 +410,7 @@ impl Triangle {
         }
         let uv = self.uv(weights);
         // Of the surface itself: in depth triangles may be far from it.
-        let depth = part.depth(uv).clamp(-1.0, 1.0);
+        let depth = sub_patch.depth(uv).clamp(-1.0, 1.0);
         let may_be_cut = !matches!(cut, Cut::Nothing);
         if spot.covered && depth >= spot.nearest && (spot.cut || !may_be_cut) {
             return;

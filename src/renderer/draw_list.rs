@@ -1,5 +1,5 @@
 //! What the exact method keeps of surfaces that are drawn together from frame to frame: who is whose
-//! neighbour, which parts of the patches are drawn, and in which draws. A still scene costs its draw
+//! neighbour, which sub-patches of the patches are drawn, and in which draws. A still scene costs its draw
 //! calls alone.
 
 use std::collections::HashMap;
@@ -20,13 +20,13 @@ use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
 use crate::programs::TrimFeatures;
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
-    EdgeSource, EdgeTable, Eye, FrameStats, Lists, Part, PatchKind, Plan, Rounding, Screen,
+    EdgeSource, EdgeTable, Eye, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
     SurfacePatches,
 };
 
-/// Bytes of room for parts beyond those that are there at first: a patch that is pulled may want more, and
+/// Bytes of room for sub-patches beyond those that are there at first: a patch that is pulled may want more, and
 /// must not make everybody wait for a new buffer.
-const ROOM_FOR_PARTS: usize = 1 << 16;
+const ROOM_FOR_SUB_PATCHES: usize = 1 << 16;
 /// Texels that the matrices of a surface take.
 const MATRIX_TEXELS: usize = 12;
 
@@ -37,31 +37,31 @@ pub(crate) struct DrawList {
     /// What the table was made for.
     borders: Vec<u64>,
     table: EdgeTable,
-    /// What is drawn with one program and one set of textures: the parts of each list of the plan.
+    /// What is drawn with one program and one set of textures: the sub-patches of each list of the plan.
     batches: Vec<Batch>,
-    /// For each surface, where its parts go.
+    /// For each surface, where its sub-patches go.
     lists: Vec<Lists>,
     key: Option<PlanKey>,
     plan: Plan,
-    /// The parts of all lists, one list after the other, on their way to the driver; and those that it
+    /// The sub-patches of all lists, one list after the other, on their way to the driver; and those that it
     /// has.
-    staged: Vec<Part>,
-    uploaded: Vec<Part>,
-    parts: Option<Buffer>,
+    staged: Vec<SubPatch>,
+    uploaded: Vec<SubPatch>,
+    sub_patches: Option<Buffer>,
     /// What the driver has of the surfaces' matrices.
     columns: Vec<Vec4>,
     matrices: Option<TexelBuffer>,
     draws: Vec<Draw>,
 }
 
-impl Vertex for Part {
+impl Vertex for SubPatch {
     const ATTRIBUTES: &'static [Attribute] = &[
         Attribute::words(0, 4, offset_of!(Self, first_point)),
         Attribute::words(1, 4, offset_of!(Self, edges)),
     ];
 }
 
-impl Tessellated for Part {
+impl Tessellated for SubPatch {
     fn vertices(&self) -> u32 {
         self.vertices()
     }
@@ -71,7 +71,7 @@ impl Tessellated for Part {
     }
 }
 
-/// What parts of several patches have in common.
+/// What sub-patches of several patches have in common.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Batch {
     /// A surface that has it; the texture, the trims and the control points' buffer are its own.
@@ -84,7 +84,7 @@ pub(crate) struct Batch {
     pub(crate) trims: TrimFeatures,
 }
 
-/// What lets parts of two surfaces share a draw.
+/// What lets sub-patches of two surfaces share a draw.
 #[derive(PartialEq, Eq, Hash)]
 struct BatchKey {
     points: *const TexelBuffer,
@@ -141,8 +141,8 @@ impl DrawList {
         of_each.map(|draws| &self.batches[draws[0].batch])
     }
 
-    pub(crate) const fn parts(&self) -> Option<&Buffer> {
-        self.parts.as_ref()
+    pub(crate) const fn sub_patches(&self) -> Option<&Buffer> {
+        self.sub_patches.as_ref()
     }
 
     pub(crate) const fn matrices(&self) -> Option<&TexelBuffer> {
@@ -240,7 +240,8 @@ impl DrawList {
             let first_point = surface.uploaded_points().first() as u32;
             let degree = surface.degree();
             let (points, cones, trims) = surface.for_plan();
-            let (trims, fixed) = trims.exact.as_mut().map_or((None, None), |trims| trims.parts());
+            let (trims, fixed) =
+                trims.exact.as_mut().map_or((None, None), |trims| trims.sub_patches());
             patches.push(SurfacePatches {
                 degree,
                 points,
@@ -279,24 +280,24 @@ impl DrawList {
         if count == 0 {
             return Ok(());
         }
-        let bytes = count * size_of::<Part>();
-        if self.parts.as_ref().is_none_or(|parts| parts.bytes() < bytes) {
-            let room = vec![0_u8; (bytes + ROOM_FOR_PARTS).next_power_of_two()];
-            self.parts = Some(Buffer::new(gl, "parts of patches", &room)?);
+        let bytes = count * size_of::<SubPatch>();
+        if self.sub_patches.as_ref().is_none_or(|sub_patches| sub_patches.bytes() < bytes) {
+            let room = vec![0_u8; (bytes + ROOM_FOR_SUB_PATCHES).next_power_of_two()];
+            self.sub_patches = Some(Buffer::new(gl, "sub-patches", &room)?);
             self.uploaded.clear();
         }
         self.staged.clear();
-        for parts in self.plan.lists() {
-            self.staged.extend_from_slice(parts);
+        for sub_patches in self.plan.lists() {
+            self.staged.extend_from_slice(sub_patches);
         }
-        if let Some(parts) = &self.parts {
-            write_changed(parts, &self.uploaded, &self.staged);
+        if let Some(sub_patches) = &self.sub_patches {
+            write_changed(sub_patches, &self.uploaded, &self.staged);
         }
         std::mem::swap(&mut self.uploaded, &mut self.staged);
         let mut first = 0;
-        for (batch, parts) in self.plan.lists().iter().enumerate() {
-            divide(parts, first, batch, renderer.draw_size(), &mut self.draws);
-            first += parts.len();
+        for (batch, sub_patches) in self.plan.lists().iter().enumerate() {
+            divide(sub_patches, first, batch, renderer.draw_size(), &mut self.draws);
+            first += sub_patches.len();
         }
         let texels: Vec<Vec4> = surfaces
             .iter()

@@ -106,7 +106,7 @@ pub(crate) struct PreparedMesh {
     words: Vec<TriangleLevels>,
     levels: Option<TexelBuffer>,
     draws: Vec<Draw>,
-    figures: FrameStats,
+    stats: FrameStats,
 }
 
 impl PreparedMesh {
@@ -193,13 +193,13 @@ impl PreparedMesh {
             words: Vec::new(),
             levels: None,
             draws: Vec::new(),
-            figures: FrameStats::default(),
+            stats: FrameStats::default(),
         })
     }
 
     /// What a frame draws of it.
     pub(crate) const fn stats(&self) -> FrameStats {
-        self.figures
+        self.stats
     }
 
     /// From the driver's points to world space.
@@ -246,7 +246,7 @@ impl PreparedMesh {
         let to_clip = view_to_clip * self.model.transform;
         let mesh = self.model.mesh();
         let triangles = mesh.mesh().triangles().len();
-        let mut figures = FrameStats { patches: triangles, ..FrameStats::default() };
+        let mut stats = FrameStats { patches: triangles, ..FrameStats::default() };
         let bound = |triangle: usize| {
             let points = self.nets.len() / triangles;
             if points == 0 {
@@ -266,9 +266,9 @@ impl PreparedMesh {
             let need = bound.map_or(0, |bound| fixed.unwrap_or_else(|| bound.level(&screen)));
             if let Some(bound) = bound {
                 let error = bound.error(need, &screen);
-                raise(&mut figures.largest_bound, error);
+                raise(&mut stats.largest_bound, error);
                 if fixed.is_none() && error > screen.tolerance() {
-                    raise(&mut figures.unmet, error);
+                    raise(&mut stats.unmet, error);
                 }
             }
             if fixed.is_none() {
@@ -292,10 +292,10 @@ impl PreparedMesh {
             } else {
                 TriangleLevels(0)
             });
-            figures.culled += usize::from(!drawn);
-            figures.triangles += triangles_of_triangle(if drawn { inside } else { 0 });
+            stats.culled += usize::from(!drawn);
+            stats.triangles += triangles_of_triangle(if drawn { inside } else { 0 });
         }
-        self.figures = figures;
+        self.stats = stats;
     }
 
     /// Draws of triangles of one paint that follow one another, as many vertices each as the driver likes.
@@ -306,7 +306,7 @@ impl PreparedMesh {
             divide(&self.words[first..*end], first, paint, draw_size, &mut self.draws);
             first = *end;
         }
-        self.figures.draws = self.draws.len();
+        self.stats.draws = self.draws.len();
     }
 }
 

@@ -1,4 +1,4 @@
-//! Draws of the exact method: parts of patches.
+//! Draws of the exact method: sub-patches of patches.
 
 use super::capture::DrawnVertex;
 use super::draw_list::{Batch, DrawList};
@@ -10,7 +10,7 @@ use crate::programs::{CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACE
 use crate::scene::Shading;
 
 impl Renderer {
-    /// Draws what an up-to-date list holds: parts that are wholly kept without the trims' code, those that may be
+    /// Draws what an up-to-date list holds: sub-patches that are wholly kept without the trims' code, those that may be
     /// cut with it. The triangles go to `captured`, if it is given.
     pub(crate) fn draw_patches(
         &mut self,
@@ -20,7 +20,7 @@ impl Renderer {
         output: Output,
         captured: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
-        let Some(parts) = draw_list.parts() else { return Ok(()) };
+        let Some(sub_patches) = draw_list.sub_patches() else { return Ok(()) };
         let settings = &frame.settings;
         let samples = samples_of_target(self.gl());
         let key = |batch: &Batch| ProgramKey {
@@ -68,7 +68,7 @@ impl Renderer {
                 None => set_columns(program, draw_list.columns(batch.surface), 1.0),
             }
             this.set_state(frame, 1, settings.wireframe);
-            this.parts_array.bind(parts);
+            this.sub_patches_array.bind(sub_patches);
         };
         self.make_draws(draw_list.draws(), 1, bind, captured)
     }

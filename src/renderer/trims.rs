@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::{Gl, TexelBuffer};
 use crate::programs::{TRIM_WORDS_UNIT, TrimFeatures};
 use crate::scene::{Method, RenderSettings, TessLevel, Tessellation};
-use crate::tessellation::{FixedParts, TrimParts};
+use crate::tessellation::{FixedSplit, TrimSplits};
 use crate::thesis::trims::ThesisTrims;
 use crate::trim::{TrimGrid, Trims};
 
@@ -48,16 +48,16 @@ impl UploadedTrims {
     }
 }
 
-/// The exact method's grid, and the parts of a patch that it leaves to be drawn.
+/// The exact method's grid, and the sub-patches of a patch that it leaves to be drawn.
 #[derive(Debug)]
 pub(crate) struct ExactTrims {
     grid: Arc<TrimGrid>,
     features: TrimFeatures,
     words: Option<TexelBuffer>,
     /// Within a tolerance.
-    parts: TrimParts,
+    sub_patches: TrimSplits,
     /// At the level that was asked for last.
-    fixed: Option<(TessLevel, FixedParts)>,
+    fixed: Option<(TessLevel, FixedSplit)>,
 }
 
 impl ExactTrims {
@@ -72,14 +72,14 @@ impl ExactTrims {
             ..TrimFeatures::NONE
         };
         let words = features.any().then(|| TexelBuffer::of_words(gl, "trim grid", grid.words()));
-        let parts = TrimParts::new(&grid);
-        Ok(Self { grid, features, words: words.transpose()?, parts, fixed: None })
+        let sub_patches = TrimSplits::new(&grid);
+        Ok(Self { grid, features, words: words.transpose()?, sub_patches, fixed: None })
     }
 
-    /// Makes the parts for a level; the grid stays.
+    /// Makes the sub-patches for a level; the grid stays.
     fn fix(&mut self, level: TessLevel) {
         if self.fixed.as_ref().is_none_or(|(known, _)| *known != level) {
-            self.fixed = Some((level, FixedParts::new(&self.grid, level)));
+            self.fixed = Some((level, FixedSplit::new(&self.grid, level)));
         }
     }
 
@@ -88,10 +88,13 @@ impl ExactTrims {
         self.features
     }
 
-    /// The parts within a tolerance, if there are trims, and those at a level, if there is one.
-    pub(crate) fn parts(&mut self) -> (Option<&mut TrimParts>, Option<&FixedParts>) {
+    /// The sub-patches within a tolerance, if there are trims, and those at a level, if there is one.
+    pub(crate) fn sub_patches(&mut self) -> (Option<&mut TrimSplits>, Option<&FixedSplit>) {
         let cuts = self.features.any() || self.grid.cut(Vec2::splat(0.5));
-        (cuts.then_some(&mut self.parts), self.fixed.as_ref().map(|(_, parts)| parts))
+        (
+            cuts.then_some(&mut self.sub_patches),
+            self.fixed.as_ref().map(|(_, sub_patches)| sub_patches),
+        )
     }
 
     /// Binds what the features read.

@@ -158,7 +158,7 @@ impl Writer<'_> {
             let file = self.patches(surface)?;
             self.line("file", file);
         }
-        self.look(&surface.paint, surface.shading, &surface.transform)?;
+        self.style(&surface.paint, surface.shading, &surface.transform)?;
         if surface.cull == Cull::Back {
             self.line("cull", "\"back\"");
         }
@@ -221,10 +221,10 @@ impl Writer<'_> {
         if let Some(level) = model.level {
             self.line("level", level.get());
         }
-        self.look(&model.paint, model.shading, &model.transform)
+        self.style(&model.paint, model.shading, &model.transform)
     }
 
-    fn look(&mut self, paint: &Paint, shading: Shading, matrix: &DMat4) -> Result<()> {
+    fn style(&mut self, paint: &Paint, shading: Shading, matrix: &DMat4) -> Result<()> {
         match paint {
             Paint::Color(rgb) => self.line("color", format_args!("{rgb:?}")),
             Paint::Texture(image) => {

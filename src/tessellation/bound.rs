@@ -191,10 +191,7 @@ impl<T: Number> Curvature<T> {
         let along_u = flat.choose_at_most(tolerance, [one, along_u]);
         let along_v = flat.choose_at_most(tolerance, [one, along_v]);
         let (max, infinite) = (all(f64::MAX), all(f64::INFINITY));
-        [
-            sum.choose_at_most(max, [along_u, infinite]),
-            sum.choose_at_most(max, [along_v, infinite]),
-        ]
+        [sum.choose_at_most(max, [along_u, infinite]), sum.choose_at_most(max, [along_v, infinite])]
     }
 }
 
@@ -307,8 +304,8 @@ mod tests {
     }
 
     fn net<const N: usize>(points: &[DVec4], to_clip: DMat4) -> ClipNet<N> {
-        let weighed = points.iter().any(|point| point.w != 1.0);
-        ClipNet::new((), |_| &patches(points)[0], weighed, &to_clip.into())
+        let is_rational = points.iter().any(|point| point.w != 1.0);
+        ClipNet::new((), |_| &patches(points)[0], is_rational, &to_clip.into())
     }
 
     fn check(
@@ -374,7 +371,7 @@ mod tests {
         screen: &Screen,
         rounding: &Rounding,
     ) -> Result<(), TestCaseError> {
-        let weighed = |points: &[DVec4]| points.iter().any(|point| point.w != 1.0);
+        let is_rational = |points: &[DVec4]| points.iter().any(|point| point.w != 1.0);
         let alone: Vec<_> = all
             .iter()
             .map(|points| {
@@ -387,7 +384,7 @@ mod tests {
             .zip(all)
             .map(|(i, points): (usize, &Vec<DVec4>)| Candidate {
                 points: &patches::<N>(points)[0],
-                weighed: weighed(points),
+                is_rational: is_rational(points),
                 place: TOGETHER - 1 - 2 * i,
             })
             .collect();

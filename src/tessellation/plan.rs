@@ -1,4 +1,4 @@
-//! The level, cull and batch pass: which parts of which patches a frame draws, and how finely.
+//! The level, cull and batch pass: which sub-patches of which patches a frame draws, and how finely.
 //!
 //! A patch's triangles form a regular grid of n × m cells, so that the bound of `bound.rs` holds for all
 //! of them whatever way a driver stitches edges to insides. An edge has one level, the larger need of
@@ -8,10 +8,10 @@
 //! the driver: equal levels make a regular grid whose diagonals point to the middle, as Direct3D asks for
 //! and Mesa does; OpenGL leaves it open.
 //!
-//! A patch that needs more than 16 cells a side is drawn in 2ⁱ × 2ʲ parts, each bounded by itself;
+//! A patch that needs more than 16 cells a side is drawn in 2ⁱ × 2ʲ sub-patches, each bounded by itself;
 //! levels of its edges are multiples of 2ⁱ and 2ʲ.
 
-mod halving;
+mod splitting;
 #[cfg(test)]
 mod tests;
 
@@ -24,36 +24,36 @@ use super::bound::{
 };
 use super::edges::{EdgeTable, SIDES};
 use super::normal_cone::{Eye, NormalCone, PatchKind};
-use super::parts::{Cut, FixedParts, TrimParts};
+use super::sub_patches::{Cut, FixedSplit, TrimSplits};
 use crate::bezier::Degree;
 use crate::scene::TessLevel;
-use halving::Leaf;
+use splitting::Leaf;
 
-/// The most cells along a part that OpenGL draws.
+/// The most cells along a sub-patch that OpenGL draws.
 const MAX_CELLS: u32 = 64;
-/// One part of a patch as the vertex stage reads it.
+/// One sub-patch of a patch as the vertex stage reads it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Part {
+pub(crate) struct SubPatch {
     /// The texel of the patch's first control point.
     pub(crate) first_point: u32,
     /// The patch's number in the scene.
     pub(crate) patch: u32,
     /// The number of the surface's matrices.
     pub(crate) surface: u32,
-    /// Column and row of the part: u from bit 0, v from bit 16.
+    /// Column and row of the sub-patch: u from bit 0, v from bit 16.
     pub(crate) place: u32,
     /// Levels of its four edges, 8 bits each in the order of `gl_TessLevelOuter`.
     pub(crate) edges: u32,
     /// Cells along u and v, 8 bits each.
     pub(crate) cells: u32,
-    /// Parts of the patch along u (from bit 0) and v (from bit 16).
-    pub(crate) parts: u32,
+    /// Sub-patches of the patch along u (from bit 0) and v (from bit 16).
+    pub(crate) sub_patches: u32,
     /// Nothing; 32 bytes are quick to read.
     pub(crate) padding: u32,
 }
 
-impl Part {
+impl SubPatch {
     /// Vertices that the tessellator makes of it.
     pub(crate) const fn vertices(&self) -> u32 {
         ((self.cells & 0xff) + 1) * ((self.cells >> 8) + 1)
@@ -65,12 +65,12 @@ impl Part {
     }
 }
 
-/// Which list a part goes to: what is drawn with one program and one set of textures.
+/// Which list a sub-patch goes to: what is drawn with one program and one set of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Lists {
-    /// Parts that no trim touches, by [`PatchKind`].
+    /// Sub-patches that no trim touches, by [`PatchKind`].
     pub(crate) kept: [u32; PatchKind::ALL.len()],
-    /// Parts that a trim may cut.
+    /// Sub-patches that a trim may cut.
     pub(crate) trimmed: [u32; PatchKind::ALL.len()],
 }
 
@@ -85,9 +85,9 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) cones: &'a [NormalCone],
     /// Where it is seen from and whether its matrix mirrors (−1), if what faces away is left out.
     pub(crate) back: Option<(Eye, f64)>,
-    pub(crate) trims: Option<&'a mut TrimParts>,
-    /// Parts of its patches at the frame's level, if it has one.
-    pub(crate) fixed: Option<&'a FixedParts>,
+    pub(crate) trims: Option<&'a mut TrimSplits>,
+    /// Sub-patches of its patches at the frame's level, if it has one.
+    pub(crate) fixed: Option<&'a FixedSplit>,
     pub(crate) first_point: u32,
     pub(crate) first_patch: u32,
     pub(crate) number: u32,
@@ -111,13 +111,13 @@ impl SurfacePatches<'_> {
     /// What patches from this one on need; none of those out of sight, or that face away where that counts.
     fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
         let patches = &self.patches::<N>()[first..];
-        let none = Candidate { points: &patches[0], weighed: false, place: 0 };
+        let none = Candidate { points: &patches[0], is_rational: false, place: 0 };
         let (mut candidates, mut count) = ([none; TOGETHER], 0);
         for (place, points) in patches.iter().enumerate().take(TOGETHER) {
             let patch = first + place;
             if !self.is_back::<N>(patch) {
-                let weighed = self.cones[patch].is_rational();
-                candidates[count] = Candidate { points, weighed, place };
+                let is_rational = self.cones[patch].is_rational();
+                candidates[count] = Candidate { points, is_rational, place };
                 count += 1;
             }
         }
@@ -180,32 +180,32 @@ pub(crate) fn raise(max: &mut Option<f64>, value: f64) {
 #[derive(Debug, Clone, Copy, Default)]
 struct State {
     drawn: bool,
-    /// Halvings along u and v.
-    halvings: [u8; 2],
-    /// Cells along u and v if there are no halvings.
+    /// Split depth along u and v.
+    depth: [u8; 2],
+    /// Cells along u and v if there are no splits.
     cells: [u8; 2],
-    /// Where its parts' cells begin if there are halvings.
+    /// Where its sub-patches' cells begin if there are splits.
     first_cell: u32,
     /// The diagonal of what may be seen of it, in pixels.
     extent: f32,
 }
 
-/// An edge's level and the halvings of its sides.
+/// An edge's level and the splits of its sides.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     level: u32,
     /// As wide as the level: a narrower one makes the next patch wait for what this one wrote.
-    halvings: u32,
+    depth: u32,
 }
 
 impl Edge {
-    /// The level, rounded up so that every side's parts have whole ones.
+    /// The level, rounded up so that every side's sub-patches have whole ones.
     const fn rounded(self) -> u32 {
-        self.level.next_multiple_of(1 << self.halvings)
+        self.level.next_multiple_of(1 << self.depth)
     }
 }
 
-/// How a part is cut: parts of its patch along u and v, its column and row, and the levels of its edges.
+/// How a sub-patch is cut: sub-patches of its patch along u and v, its column and row, and the levels of its edges.
 struct Grid {
     sides: [u32; 2],
     place: [u32; 2],
@@ -217,21 +217,21 @@ struct Grid {
 pub(crate) struct Plan {
     states: Vec<State>,
     edges: Vec<Edge>,
-    /// Cells along u and v of the parts of halved patches; 0 where nothing is drawn.
+    /// Cells along u and v of the sub-patches of halved patches; 0 where nothing is drawn.
     cells: Vec<[u8; 2]>,
     leaves: Vec<Leaf>,
-    lists: Vec<Vec<Part>>,
-    figures: FrameStats,
+    lists: Vec<Vec<SubPatch>>,
+    stats: FrameStats,
 }
 
 impl Plan {
-    /// The parts of each list.
-    pub(crate) fn lists(&self) -> &[Vec<Part>] {
+    /// The sub-patches of each list.
+    pub(crate) fn lists(&self) -> &[Vec<SubPatch>] {
         &self.lists
     }
 
     pub(crate) const fn stats(&self) -> FrameStats {
-        self.figures
+        self.stats
     }
 
     fn clear(&mut self, lists: usize) {
@@ -240,7 +240,7 @@ impl Plan {
         self.cells.clear();
         self.lists.resize_with(lists, Vec::new);
         self.lists.iter_mut().for_each(Vec::clear);
-        self.figures = FrameStats::default();
+        self.stats = FrameStats::default();
     }
 
     /// Plans a frame at one level for all patches.
@@ -267,7 +267,7 @@ impl Plan {
         level: TessLevel,
     ) {
         let fixed = surface.fixed.expect("a frame at a level has parts for it");
-        let sides = [fixed.parts.side; 2];
+        let sides = [fixed.split.side; 2];
         let level = f64::from(level.get());
         let count = surface.cones.len();
         let needs = (0..count)
@@ -275,23 +275,23 @@ impl Plan {
             .flat_map(|first| surface.needs::<N>(first, screen))
             .take(count);
         for (patch, need) in needs.enumerate() {
-            self.figures.patches += 1;
+            self.stats.patches += 1;
             let Some(need) = need else {
-                self.figures.culled += 1;
+                self.stats.culled += 1;
                 continue;
             };
-            raise(&mut self.figures.largest_bound, need.bound.error([level; 2], screen));
+            raise(&mut self.stats.largest_bound, need.bound.error([level; 2], screen));
             let kind = surface.cones[patch].kind() as usize;
             for (list, places) in [
                 (surface.lists.kept[kind], &fixed.kept),
                 (surface.lists.trimmed[kind], &fixed.trimmed),
             ] {
                 for place in places {
-                    let edges = [fixed.parts.level; SIDES];
+                    let edges = [fixed.split.level; SIDES];
                     self.push(surface, patch, list, &Grid { sides, place: *place, edges });
                 }
             }
-            self.figures.culled += usize::from(fixed.kept.is_empty() && fixed.trimmed.is_empty());
+            self.stats.culled += usize::from(fixed.kept.is_empty() && fixed.trimmed.is_empty());
         }
     }
 
@@ -333,10 +333,10 @@ impl Plan {
                 let state = need.map_or_else(State::default, |need| {
                     self.decide(&need, screen, &surface.rounding, || surface.net::<N>(patch))
                 });
-                let state = self.without_cut_parts(state, surface.trims.as_deref_mut());
+                let state = self.without_cut_sub_patches(state, surface.trims.as_deref_mut());
                 let state = state.unwrap_or_default();
-                self.figures.patches += 1;
-                self.figures.culled += usize::from(!state.drawn);
+                self.stats.patches += 1;
+                self.stats.culled += usize::from(!state.drawn);
                 if state.drawn {
                     self.ask(state, table.of(self.states.len()));
                 }
@@ -345,29 +345,33 @@ impl Plan {
         }
     }
 
-    /// Cells of the part in a column and row.
+    /// Cells of the sub-patch in a column and row.
     fn cells_of(&self, state: &State, [column, row]: [usize; 2]) -> [u8; 2] {
-        if state.halvings == [0; 2] {
+        if state.depth == [0; 2] {
             return state.cells;
         }
-        self.cells[state.first_cell as usize + (row << state.halvings[0]) + column]
+        self.cells[state.first_cell as usize + (row << state.depth[0]) + column]
     }
 
-    /// Leaves out what the trims cut; none if that is all. A patch that they cut is drawn in parts, if it
+    /// Leaves out what the trims cut; none if that is all. A patch that they cut is drawn in sub-patches, if it
     /// is large enough on the screen.
-    fn without_cut_parts(&mut self, state: State, trims: Option<&mut TrimParts>) -> Option<State> {
+    fn without_cut_sub_patches(
+        &mut self,
+        state: State,
+        trims: Option<&mut TrimSplits>,
+    ) -> Option<State> {
         let (mut state, Some(trims)) = (state, trims) else { return Some(state) };
         if !state.drawn {
             return None;
         }
-        let wanted = trims.halvings(state.extent);
+        let wanted = trims.depth(state.extent);
         for axis in 0..2 {
-            while state.halvings[axis] < wanted {
+            while state.depth[axis] < wanted {
                 self.refine(&mut state, axis);
             }
         }
-        let cuts = trims.cuts(state.halvings);
-        if state.halvings == [0; 2] {
+        let cuts = trims.cuts(state.depth);
+        if state.depth == [0; 2] {
             return cuts[0].is_drawn().then_some(state);
         }
         let cells = &mut self.cells[state.first_cell as usize..][..cuts.len()];
@@ -383,20 +387,20 @@ impl Plan {
     fn ask(&mut self, state: State, edges: [usize; SIDES]) {
         for (side, edge) in edges.into_iter().enumerate() {
             let axis = axis_of(side);
-            let level = self.along_side(&state, side) << state.halvings[axis];
+            let level = self.along_side(&state, side) << state.depth[axis];
             let edge = &mut self.edges[edge];
             edge.level = edge.level.max(level);
-            edge.halvings = edge.halvings.max(state.halvings[axis].into());
+            edge.depth = edge.depth.max(state.depth[axis].into());
         }
     }
 
-    /// The most cells of a part along a side.
+    /// The most cells of a sub-patch along a side.
     fn along_side(&self, state: &State, side: usize) -> u32 {
         let axis = axis_of(side);
-        if state.halvings == [0; 2] {
+        if state.depth == [0; 2] {
             return state.cells[axis].into();
         }
-        let last = state.halvings.map(|halvings| (1_usize << halvings) - 1);
+        let last = state.depth.map(|depth| (1_usize << depth) - 1);
         let across = if side < 2 { 0 } else { last[1 - axis] };
         let cells = (0..=last[axis]).map(|i| {
             let place = if axis == 0 { [i, across] } else { [across, i] };
@@ -405,9 +409,9 @@ impl Plan {
         cells.max().unwrap_or(0).into()
     }
 
-    /// Halves patches until no part's edge has more cells than OpenGL draws.
+    /// Halves patches until no sub-patch's edge has more cells than OpenGL draws.
     fn agree(&mut self, table: &EdgeTable) {
-        if self.edges.iter().all(|edge| edge.level <= MAX_CELLS && edge.halvings == 0) {
+        if self.edges.iter().all(|edge| edge.level <= MAX_CELLS && edge.depth == 0) {
             return;
         }
         loop {
@@ -419,7 +423,7 @@ impl Plan {
                 }
                 for (side, edge) in table.of(patch).into_iter().enumerate() {
                     let axis = axis_of(side);
-                    while self.edges[edge].rounded() >> state.halvings[axis] > MAX_CELLS {
+                    while self.edges[edge].rounded() >> state.depth[axis] > MAX_CELLS {
                         self.refine(&mut state, axis);
                         changed = true;
                         self.ask(state, table.of(patch));
@@ -433,17 +437,17 @@ impl Plan {
         }
     }
 
-    /// Puts the parts of a patch into their lists.
+    /// Puts the sub-patches of a patch into their lists.
     fn emit(&mut self, surface: &mut SurfacePatches<'_>, patch: usize, table: &EdgeTable) {
         let number = surface.first_patch as usize + patch;
         let state = self.states[number];
         if !state.drawn {
             return;
         }
-        let sides = state.halvings.map(|halvings| 1_u32 << halvings);
+        let sides = state.depth.map(|depth| 1_u32 << depth);
         let mut borders = [0; SIDES];
         for (side, edge) in table.of(number).into_iter().enumerate() {
-            borders[side] = self.edges[edge].rounded() >> state.halvings[axis_of(side)];
+            borders[side] = self.edges[edge].rounded() >> state.depth[axis_of(side)];
         }
         let kind = surface.cones[patch].kind() as usize;
         let list_of = |cut: Option<Cut>| {
@@ -451,7 +455,7 @@ impl Plan {
             let lists = if is_trimmed { surface.lists.trimmed } else { surface.lists.kept };
             lists[kind]
         };
-        if state.halvings == [0; 2] {
+        if state.depth == [0; 2] {
             // By itself, because nearly all are so: the whole pass takes a sixth less.
             let cut = surface.trims.as_deref_mut().map(|trims| trims.cuts([0; 2])[0]);
             let grid = Grid { sides, place: [0; 2], edges: borders };
@@ -459,8 +463,8 @@ impl Plan {
             return;
         }
         let mut trims = surface.trims.take();
-        let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.halvings));
-        let last = sides.map(|parts| parts as usize - 1);
+        let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.depth));
+        let last = sides.map(|sub_patches| sub_patches as usize - 1);
         for row in 0..=last[1] {
             for column in 0..=last[0] {
                 let own = self.cells_of(&state, [column, row]);
@@ -478,7 +482,7 @@ impl Plan {
                     with((column < last[0]).then_some([column + 1, row]), borders[2], 1),
                     with((row < last[1]).then_some([column, row + 1]), borders[3], 0),
                 ];
-                let list = list_of(cuts.map(|cuts| cuts[(row << state.halvings[0]) + column]));
+                let list = list_of(cuts.map(|cuts| cuts[(row << state.depth[0]) + column]));
                 let place = [column as u32, row as u32];
                 self.push(surface, patch, list, &Grid { sides, place, edges });
             }
@@ -494,18 +498,18 @@ impl Plan {
             // OpenGL draws no patch with one cell along one side and several along another.
             cells = cells.map(|cells| cells.max(2));
         }
-        let part = Part {
+        let sub_patch = SubPatch {
             first_point: surface.first_point + (patch * surface.degree.points()) as u32,
             patch: surface.first_patch + patch as u32,
             surface: surface.number,
             place: place[0] | place[1] << 16,
             edges: edges[0] | edges[1] << 8 | edges[2] << 16 | edges[3] << 24,
             cells: cells[0] | cells[1] << 8,
-            parts: sides[0] | sides[1] << 16,
+            sub_patches: sides[0] | sides[1] << 16,
             padding: 0,
         };
-        self.figures.triangles += part.triangles();
-        self.lists[list as usize].push(part);
+        self.stats.triangles += sub_patch.triangles();
+        self.lists[list as usize].push(sub_patch);
     }
 }
 

@@ -10,7 +10,7 @@ use crate::renderer::{
     set_matrices,
 };
 use crate::scene::{Method, Shading};
-use crate::tessellation::{FrameStats, Parts};
+use crate::tessellation::{FrameStats, Split};
 
 impl Renderer {
     /// Draws surfaces of one picture by the method of the frame.
@@ -74,8 +74,8 @@ impl Renderer {
         program.bind();
         set_depth(&program, frame);
         set_matrices(&program, &surface.points_to_world(), &frame.camera);
-        let parts = Parts::of(settings.tessellation.level());
-        program.set_f32(location::TESS_LEVEL, parts.level as f32);
+        let split = Split::of(settings.tessellation.level());
+        program.set_f32(location::TESS_LEVEL, split.level as f32);
         if key.pipeline == Pipeline::Report {
             program.set_i32(location::WIREFRAME, i32::from(settings.wireframe));
             program.set_i32(location::SHOW_CONTROL_POINTS, 0);
@@ -90,10 +90,10 @@ impl Renderer {
         self.style(shading, surface.texture(), settings, output).1.bind(0);
         let points = surface.degree().points();
         self.set_state(frame, points, settings.wireframe);
-        let at_once = parts.patches_per_draw(settings.wireframe);
+        let at_once = split.patches_per_draw(settings.wireframe);
         let patches = surface.cones().len();
         self.bind_points(surface);
-        for domain in parts.domains() {
+        for domain in split.domains() {
             program.set_vec3(location::PART, domain);
             for first in (0..patches).step_by(at_once) {
                 let count = at_once.min(patches - first);

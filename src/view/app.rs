@@ -387,18 +387,18 @@ impl App {
             }
             shown.gl.begin();
             shown.screen.show();
-            let (figures, ms) = (shown.screen.stats(), shown.screen.ms());
+            let (stats, ms) = (shown.screen.stats(), shown.screen.ms());
             again = shown.overlay.paint(shown.gl.window(), |context| {
-                panel::show(context, &mut self.state, &figures, ms)
+                panel::show(context, &mut self.state, &stats, ms)
             });
             if !self.state.changed() {
                 break;
             }
         }
-        let (figures, ms) = (shown.screen.stats(), shown.screen.ms());
+        let (stats, ms) = (shown.screen.stats(), shown.screen.ms());
         let swapped = shown.gl.swap();
         self.state.report(swapped);
-        let title = self.state.title(&figures, ms);
+        let title = self.state.title(&stats, ms);
         if title != shown.title {
             shown.gl.window().set_title(&title);
             shown.title = title;

@@ -8,7 +8,7 @@ use super::camera;
 use super::pick::dragged;
 use super::pointer::{Button, Gesture};
 use super::state::{State, ZOOM};
-use super::undo::Part;
+use super::undo::Change;
 
 /// How much nearer dragging over the whole height of the picture brings, as a power of e.
 const DRAG_ZOOM: f64 = 4.0;
@@ -59,15 +59,15 @@ impl State {
         let done = match self.pointer.gesture {
             Gesture::None => Ok(()),
             // What is in front follows the cursor.
-            Gesture::Turn => self.look(self.mover().turn(&camera, -by * PI)),
-            Gesture::Pan => self.look(camera::pan(&camera, -by)),
+            Gesture::Turn => self.style(self.mover().turn(&camera, -by * PI)),
+            Gesture::Pan => self.style(camera::pan(&camera, -by)),
             Gesture::Zoom(from) => {
                 let factor = (-by.y * DRAG_ZOOM).exp();
-                self.look(camera::zoom(&camera, factor, self.off_middle(from)))
+                self.style(camera::zoom(&camera, factor, self.off_middle(from)))
             }
             Gesture::Move(id) => {
                 let point = dragged(self.scene(), id, &self.projection(), self.size(), place);
-                self.edit(point.map(|point| Part::Point(id, point)).into_iter().collect())
+                self.edit(point.map(|point| Change::Point(id, point)).into_iter().collect())
             }
         };
         self.report(done);
@@ -79,7 +79,7 @@ impl State {
         let camera = self.hold_camera();
         // A broken device may send anything.
         let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
-        let looked = self.look(camera::zoom(&camera, factor, self.off_middle(self.pointer.place)));
+        let looked = self.style(camera::zoom(&camera, factor, self.off_middle(self.pointer.place)));
         self.report(looked);
         self.hover();
     }

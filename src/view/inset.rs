@@ -96,12 +96,12 @@ fn curves(painter: &egui::Painter, trims: &Trims, place: impl Fn(DVec2) -> Pos2)
     let segments = trims.segment_count();
     for trim_loop in trims.all_loops() {
         let points = trim_loop.segments().iter().flat_map(|segment| {
-            let parts = match segment {
+            let edits = match segment {
                 Segment::Line(_) => 1,
                 _ if segments > MANY => 2,
                 _ => 16,
             };
-            (0..parts).map(move |i| segment.point(f64::from(i) / f64::from(parts)))
+            (0..edits).map(move |i| segment.point(f64::from(i) / f64::from(edits)))
         });
         closed(points.map(&place).collect(), trims.loops_on);
     }

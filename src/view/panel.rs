@@ -10,7 +10,7 @@ use glam::DVec2;
 use super::inset::HIGHLIGHT;
 use super::pick::{PICK_PX, on_screen, world_point};
 use super::state::{Cover, Message, State};
-use super::undo::Part;
+use super::undo::Change;
 use super::{action, inset};
 
 const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
@@ -19,7 +19,7 @@ const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
 pub(super) fn show(
     context: &Context,
     state: &mut State,
-    figures: &FrameStats,
+    stats: &FrameStats,
     ms: f64,
 ) -> Vec<egui::Rect> {
     let mut covered = Vec::new();
@@ -33,7 +33,7 @@ pub(super) fn show(
             .default_height(height)
             .max_height(height)
             .vscroll(true);
-        let shown = window.show(context, |ui| contents(ui, state, figures, ms));
+        let shown = window.show(context, |ui| contents(ui, state, stats, ms));
         covered.extend(shown.map(|shown| shown.response.rect));
     }
     if state.cover == Cover::Help {
@@ -88,12 +88,12 @@ fn help(ui: &mut Ui) {
     });
 }
 
-fn contents(ui: &mut Ui, state: &mut State, figures: &FrameStats, ms: f64) {
-    figures_grid(ui, figures, ms);
+fn contents(ui: &mut Ui, state: &mut State, stats: &FrameStats, ms: f64) {
+    stats_grid(ui, stats, ms);
     ui.separator();
     method(ui, state);
     fineness(ui, state);
-    look(ui, state);
+    style(ui, state);
     if state.scene().settings.method == Method::Thesis {
         newton(ui, state);
     }
@@ -109,13 +109,13 @@ fn contents(ui: &mut Ui, state: &mut State, figures: &FrameStats, ms: f64) {
     ui.small("H or F1: help");
 }
 
-fn figures_grid(ui: &mut Ui, figures: &FrameStats, ms: f64) {
+fn stats_grid(ui: &mut Ui, stats: &FrameStats, ms: f64) {
     egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
-        let bound = figures.largest_bound.map_or("–".into(), |bound| format!("{bound:.3} px"));
+        let bound = stats.largest_bound.map_or("–".into(), |bound| format!("{bound:.3} px"));
         for (name, value) in [
             ("frame", format!("{ms:.1} ms")),
-            ("triangles", figures.triangles.to_string()),
-            ("patches", format!("{} of {}", figures.patches - figures.culled, figures.patches)),
+            ("triangles", stats.triangles.to_string()),
+            ("patches", format!("{} of {}", stats.patches - stats.culled, stats.patches)),
             ("largest bound", bound),
         ] {
             ui.label(name);
@@ -123,7 +123,7 @@ fn figures_grid(ui: &mut Ui, figures: &FrameStats, ms: f64) {
             ui.end_row();
         }
     });
-    if let Some(unmet) = figures.unmet {
+    if let Some(unmet) = stats.unmet {
         ui.colored_label(ERROR, format!("tolerance not met, up to {unmet:.2} px"));
     }
 }
@@ -166,7 +166,7 @@ fn fineness(ui: &mut Ui, state: &mut State) {
     }
 }
 
-fn look(ui: &mut Ui, state: &mut State) {
+fn style(ui: &mut Ui, state: &mut State) {
     let mut settings = state.scene().settings;
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.wireframe, "wireframe");
@@ -221,7 +221,7 @@ fn mesh(ui: &mut Ui, state: &mut State) {
         if count > 1 {
             ui.add(egui::DragValue::new(&mut state.selected_mesh).range(0..=count - 1));
         }
-        paint(ui, state, |scene, i| &scene.meshes[i].paint, Part::MeshPaint, number);
+        paint(ui, state, |scene, i| &scene.meshes[i].paint, Change::MeshPaint, number);
     });
 }
 
@@ -230,14 +230,14 @@ fn paint(
     ui: &mut Ui,
     state: &mut State,
     own: fn(&Scene, usize) -> &Paint,
-    part: fn(usize, Paint) -> Part,
+    edit: fn(usize, Paint) -> Change,
     number: usize,
 ) {
     match own(state.scene(), number) {
         Paint::Color(rgb) => {
             let mut rgb = *rgb;
             if color(ui, &mut rgb) {
-                let edited = state.edit(vec![part(number, Paint::Color(rgb))]);
+                let edited = state.edit(vec![edit(number, Paint::Color(rgb))]);
                 state.report(edited);
             }
         }
@@ -258,12 +258,12 @@ fn surface(ui: &mut Ui, state: &mut State) {
         if count > 1 {
             ui.add(egui::DragValue::new(&mut state.selected).range(0..=count - 1));
         }
-        paint(ui, state, |scene, i| &scene.surfaces[i].paint, Part::SurfacePaint, number);
+        paint(ui, state, |scene, i| &scene.surfaces[i].paint, Change::SurfacePaint, number);
     });
     let trims = &state.scene().surfaces[number].trims;
     let edited = numbers(ui, trims).map(Ok);
     if let Some(trims) = inset::show(ui, trims).or(edited) {
-        let done = trims.and_then(|trims| state.edit(vec![Part::Trims(number, Box::new(trims))]));
+        let done = trims.and_then(|trims| state.edit(vec![Change::Trims(number, Box::new(trims))]));
         state.report(done);
     }
 }

@@ -15,7 +15,7 @@ use super::camera::{self, Mover};
 use super::pick::{PointId, pick};
 use super::pointer::Pointer;
 use super::trims::{PutBy, switched};
-use super::undo::{History, Part};
+use super::undo::{Change, History};
 
 /// The highest level that the keys reach, as in the report.
 const MAX_LEVEL: u32 = 50;
@@ -276,9 +276,9 @@ impl State {
             }
             Action::Trim(kind) => {
                 let mut nested = std::mem::take(&mut self.nested);
-                let parts = switched(&self.scene, kind, self.selected, &mut nested);
+                let edits = switched(&self.scene, kind, self.selected, &mut nested);
                 self.nested = nested;
-                self.edit(parts)
+                self.edit(edits)
             }
             Action::Method => self.set_method(match self.scene.settings.method {
                 Method::Exact => Method::Thesis,
@@ -287,16 +287,16 @@ impl State {
             Action::Texture => self.switch_textures(),
             Action::Phong => self.switch_smoothing(Smoothing::Phong(Alpha::default())),
             Action::Pn => self.switch_smoothing(Smoothing::Pn),
-            Action::Fit => self.look(Ok(self.scene.fitted(&camera, self.aspect()))),
-            Action::LookFrom(side) => self.look(self.mover.look_from(&camera, side)),
+            Action::Fit => self.style(Ok(self.scene.fitted(&camera, self.aspect()))),
+            Action::LookFrom(side) => self.style(self.mover.look_from(&camera, side)),
             Action::Orthographic => {
                 let other = self.mover.other_lens(&camera);
-                self.look(other)
+                self.style(other)
             }
-            Action::Turn(x, y) => self.look(self.mover.turn(&camera, step(x, y) * TURN)),
-            Action::Pan(x, y) => self.look(camera::pan(&camera, step(x, y) * PAN)),
+            Action::Turn(x, y) => self.style(self.mover.turn(&camera, step(x, y) * TURN)),
+            Action::Pan(x, y) => self.style(camera::pan(&camera, step(x, y) * PAN)),
             Action::Zoom(steps) => {
-                self.look(camera::zoom(&camera, ZOOM.powi(steps.into()), DVec2::ZERO))
+                self.style(camera::zoom(&camera, ZOOM.powi(steps.into()), DVec2::ZERO))
             }
             Action::Undo | Action::Redo => {
                 self.step_history(action == Action::Undo);
@@ -319,7 +319,7 @@ impl State {
         camera
     }
 
-    pub(super) fn look(&mut self, camera: Result<Camera>) -> Result<()> {
+    pub(super) fn style(&mut self, camera: Result<Camera>) -> Result<()> {
         self.scene.camera = Some(camera?);
         self.changes.picture = true;
         Ok(())
@@ -335,7 +335,7 @@ impl State {
             let camera = self.hold_camera();
             let by = dvec2(seconds * TURNTABLE, 0.0);
             let turned = self.mover.turn(&camera, by);
-            let looked = self.look(turned);
+            let looked = self.style(turned);
             self.report(looked);
             self.hover_again();
         }
@@ -408,12 +408,12 @@ impl State {
     ///
     /// # Errors
     /// Trims with numbers that are none, or that the thesis' method cannot cut while that is drawn.
-    pub(crate) fn edit(&mut self, parts: Vec<Part>) -> Result<()> {
-        if parts.is_empty() {
+    pub(crate) fn edit(&mut self, edits: Vec<Change>) -> Result<()> {
+        if edits.is_empty() {
             return Ok(());
         }
-        for part in &parts {
-            if let Part::Trims(_, trims) = part {
+        for part in &edits {
+            if let Change::Trims(_, trims) = part {
                 trims.check()?;
                 if self.scene.settings.method == Method::Thesis {
                     check_for_thesis(trims)?;
@@ -421,15 +421,15 @@ impl State {
             }
         }
         self.hold_camera();
-        note(&mut self.changes, &parts);
-        self.history.edit(&mut self.scene, parts, self.press);
+        note(&mut self.changes, &edits);
+        self.history.edit(&mut self.scene, edits, self.press);
         Ok(())
     }
 
     fn step_history(&mut self, back: bool) {
         let Self { history, scene, changes, .. } = self;
-        let parts = if back { history.undo(scene) } else { history.redo(scene) };
-        note(changes, parts.unwrap_or_default());
+        let edits = if back { history.undo(scene) } else { history.redo(scene) };
+        note(changes, edits.unwrap_or_default());
         let unfit = |scene: &Scene| {
             scene.surfaces.iter().any(|surface| check_for_thesis(&surface.trims).is_err())
         };
@@ -452,20 +452,20 @@ impl State {
             true => None,
             false => Some(Paint::Texture(bricks())),
         };
-        let mut parts = Vec::new();
+        let mut edits = Vec::new();
         for (number, paint) in paints.iter().enumerate() {
             let other = self.other_paints.get(number).filter(|other| is_picture(other) != off);
             let Some(other) = other.or(fallback.as_ref()) else { continue };
             if is_picture(paint) == off {
                 let surfaces = self.scene.surfaces.len();
-                parts.push(match number.checked_sub(surfaces) {
-                    None => Part::SurfacePaint(number, other.clone()),
-                    Some(mesh) => Part::MeshPaint(mesh, other.clone()),
+                edits.push(match number.checked_sub(surfaces) {
+                    None => Change::SurfacePaint(number, other.clone()),
+                    Some(mesh) => Change::MeshPaint(mesh, other.clone()),
                 });
             }
         }
         self.other_paints = paints;
-        self.edit(parts)
+        self.edit(edits)
     }
 
     /// Smooths all meshes this way, or no longer.
@@ -491,7 +491,7 @@ impl State {
     }
 
     /// The window's title.
-    pub(crate) fn title(&self, figures: &FrameStats, ms: f64) -> String {
+    pub(crate) fn title(&self, stats: &FrameStats, ms: f64) -> String {
         let file = self.file.as_ref().and_then(|file| file.file_name());
         let name = file.map_or("freeform".into(), |name| name.to_string_lossy());
         let fineness = match self.scene.settings.tessellation {
@@ -501,7 +501,7 @@ impl State {
             }
             Tessellation::Within(tolerance) => format!("tolerance {} px", tolerance.pixels()),
         };
-        format!("{name} · {fineness} · {} triangles · {ms:.1} ms", figures.triangles)
+        format!("{name} · {fineness} · {} triangles · {ms:.1} ms", stats.triangles)
     }
 
     /// What was under the cursor may have moved away without it.
@@ -531,13 +531,13 @@ fn check_for_thesis(trims: &Trims) -> Result<()> {
 }
 
 /// Notes what parts change.
-fn note(changes: &mut Changes, parts: &[Part]) {
+fn note(changes: &mut Changes, edits: &[Change]) {
     changes.picture = true;
-    for part in parts {
+    for part in edits {
         match part {
-            Part::Point(id, _) => changes.points.push(*id),
-            Part::Trims(surface, _) => changes.trims.push(*surface),
-            Part::SurfacePaint(..) | Part::MeshPaint(..) => changes.scene = true,
+            Change::Point(id, _) => changes.points.push(*id),
+            Change::Trims(surface, _) => changes.trims.push(*surface),
+            Change::SurfacePaint(..) | Change::MeshPaint(..) => changes.scene = true,
         }
     }
 }

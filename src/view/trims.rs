@@ -5,7 +5,7 @@ use freeform_surface::{Circle, Ellipse, Error, Rect, Result, Scene, Segment, Tri
 use glam::{DVec2, dvec2};
 
 use super::action::TrimKind;
-use super::undo::Part;
+use super::undo::Change;
 
 /// A point of a trim that can be pulled; numbers count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,15 +125,15 @@ pub(crate) fn switched(
     kind: TrimKind,
     selected: usize,
     put_by: &mut PutBy,
-) -> Vec<Part> {
+) -> Vec<Change> {
     if kind == TrimKind::Nested {
         return switched_nested(scene, selected, put_by);
     }
-    let with_trims = |change: &dyn Fn(usize, &Trims) -> Option<Trims>| -> Vec<Part> {
+    let with_trims = |change: &dyn Fn(usize, &Trims) -> Option<Trims>| -> Vec<Change> {
         let surfaces = scene.surfaces.iter().enumerate();
         surfaces
             .filter_map(|(number, surface)| {
-                Some(Part::Trims(number, Box::new(change(number, &surface.trims)?)))
+                Some(Change::Trims(number, Box::new(change(number, &surface.trims)?)))
             })
             .collect()
     };
@@ -211,24 +211,24 @@ fn add(trims: &mut Trims, kind: TrimKind) {
 pub(crate) type PutBy = Vec<(usize, Vec<TrimLoop>)>;
 
 /// Takes the loops that lie inside others out of all surfaces, or puts them back.
-fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Part> {
+fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Change> {
     let surfaces = || scene.surfaces.iter().map(|surface| &surface.trims).enumerate();
     let with_loops = |number: usize, trims: &Trims, loops: Vec<TrimLoop>| {
-        Part::Trims(number, Box::new(Trims { loops, loops_on: true, ..trims.clone() }))
+        Change::Trims(number, Box::new(Trims { loops, loops_on: true, ..trims.clone() }))
     };
-    let mut parts = Vec::new();
+    let mut edits = Vec::new();
     let mut taken = PutBy::new();
     for (number, trims) in surfaces().filter(|(_, trims)| trims.loops_on) {
         let (nested, outer): (Vec<_>, Vec<_>) =
             trims.loops.iter().cloned().partition(|inner| is_nested(inner, trims));
         if !nested.is_empty() {
             taken.push((number, nested));
-            parts.push(with_loops(number, trims, outer));
+            edits.push(with_loops(number, trims, outer));
         }
     }
-    if !parts.is_empty() {
+    if !edits.is_empty() {
         *put_by = taken;
-        return parts;
+        return edits;
     }
     for (number, trims) in surfaces() {
         let known = put_by.iter().filter(|(of, _)| *of == number).flat_map(|(_, loops)| loops);
@@ -236,10 +236,10 @@ fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Pa
         loops.extend(known.filter(|known| !trims.loops.contains(known)).cloned());
         // Also those that are there, but switched off.
         if loops.len() > trims.loops.len() || loops.iter().any(|inner| is_nested(inner, trims)) {
-            parts.push(with_loops(number, trims, loops));
+            edits.push(with_loops(number, trims, loops));
         }
     }
-    if parts.is_empty()
+    if edits.is_empty()
         && let Some((_, trims)) = surfaces().nth(selected)
     {
         let mut loops = trims.loops.clone();
@@ -247,9 +247,9 @@ fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Pa
             Some(inner) => loops.extend(inner),
             None => loops.extend(lens_loop(1.0).into_iter().chain(lens_loop(0.5))),
         }
-        parts.push(with_loops(selected, trims, loops));
+        edits.push(with_loops(selected, trims, loops));
     }
-    parts
+    edits
 }
 
 /// Whether a loop begins inside another one.
@@ -282,9 +282,9 @@ mod tests {
         [TrimKind::Circle, TrimKind::Rect, TrimKind::Ellipse, TrimKind::Loop, TrimKind::Nested];
 
     fn press(scene: &mut Scene, kind: TrimKind, put_by: &mut PutBy) {
-        let parts = switched(scene, kind, 0, put_by);
-        assert!(!parts.is_empty());
-        History::default().edit(scene, parts, 1);
+        let edits = switched(scene, kind, 0, put_by);
+        assert!(!edits.is_empty());
+        History::default().edit(scene, edits, 1);
     }
 
     #[test]

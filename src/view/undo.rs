@@ -10,7 +10,7 @@ const MAX_EDITS: usize = 1000;
 
 /// A part of a scene as an edit leaves it, or as it was before.
 #[derive(Debug, Clone)]
-pub(crate) enum Part {
+pub(crate) enum Change {
     /// A control point.
     Point(PointId, DVec4),
     /// The trims of a surface.
@@ -21,9 +21,8 @@ pub(crate) enum Part {
     MeshPaint(usize, Paint),
 }
 
-impl Part {
-    /// Puts this part into the scene and keeps what was there. A part that the scene does not take
-    /// stays out.
+impl Change {
+    /// Puts this part into the scene and keeps the old one. A part that the scene does not take stays out.
     fn swap(&mut self, scene: &mut Scene) {
         match self {
             Self::Point(id, point) => {
@@ -63,10 +62,10 @@ impl Part {
     }
 }
 
-/// Parts that change together, and the press of a key or button that they belong to.
+/// Changes that are made together, and the press of a key or button that they belong to.
 #[derive(Debug)]
 struct Edit {
-    parts: Vec<Part>,
+    changes: Vec<Change>,
     press: u64,
 }
 
@@ -78,19 +77,19 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Puts the parts into the scene. Edits of one thing during one press count as one.
-    pub(crate) fn edit(&mut self, scene: &mut Scene, mut parts: Vec<Part>, press: u64) {
-        for part in &mut parts {
-            part.swap(scene);
+    /// Makes the changes. Edits of one thing during one press count as one.
+    pub(crate) fn edit(&mut self, scene: &mut Scene, mut changes: Vec<Change>, press: u64) {
+        for change in &mut changes {
+            change.swap(scene);
         }
         self.undone.clear();
         let same = |last: &Edit| {
             last.press == press
-                && last.parts.len() == parts.len()
-                && std::iter::zip(&last.parts, &parts).all(|(a, b)| a.same_place(b))
+                && last.changes.len() == changes.len()
+                && std::iter::zip(&last.changes, &changes).all(|(a, b)| a.same_place(b))
         };
         if !self.done.last().is_some_and(same) {
-            self.done.push(Edit { parts, press });
+            self.done.push(Edit { changes, press });
         }
         if self.done.len() > MAX_EDITS {
             self.done.remove(0);
@@ -98,12 +97,12 @@ impl History {
     }
 
     /// Takes the last edit back and tells what it was about.
-    pub(crate) fn undo(&mut self, scene: &mut Scene) -> Option<&[Part]> {
+    pub(crate) fn undo(&mut self, scene: &mut Scene) -> Option<&[Change]> {
         Self::step(&mut self.done, &mut self.undone, scene)
     }
 
     /// Does again what was taken back last.
-    pub(crate) fn redo(&mut self, scene: &mut Scene) -> Option<&[Part]> {
+    pub(crate) fn redo(&mut self, scene: &mut Scene) -> Option<&[Change]> {
         Self::step(&mut self.undone, &mut self.done, scene)
     }
 
@@ -111,15 +110,15 @@ impl History {
         from: &mut Vec<Edit>,
         to: &'a mut Vec<Edit>,
         scene: &mut Scene,
-    ) -> Option<&'a [Part]> {
+    ) -> Option<&'a [Change]> {
         let mut edit = from.pop()?;
-        for part in &mut edit.parts {
-            part.swap(scene);
+        for change in &mut edit.changes {
+            change.swap(scene);
         }
         // Nothing that follows belongs to the same press.
         edit.press = 0;
         to.push(edit);
-        to.last().map(|edit| edit.parts.as_slice())
+        to.last().map(|edit| edit.changes.as_slice())
     }
 }
 
@@ -127,8 +126,8 @@ impl History {
 mod tests {
     use super::*;
 
-    fn moved(index: usize, y: f64) -> Vec<Part> {
-        vec![Part::Point(PointId { surface: 0, index }, DVec4::new(0.0, y, 0.0, 1.0))]
+    fn moved(index: usize, y: f64) -> Vec<Change> {
+        vec![Change::Point(PointId { surface: 0, index }, DVec4::new(0.0, y, 0.0, 1.0))]
     }
 
     #[test]

@@ -136,7 +136,7 @@ pub enum Look {
 }
 
 /// A camera by chance; sizes are half of the diagonal of the pieces' box.
-pub fn view(pieces: &[Piece], random: &mut Random, look: Look) -> Camera {
+pub fn view(pieces: &[Piece], random: &mut Random, style: Look) -> Camera {
     let corners = || pieces.iter().flat_map(|piece| piece.corners);
     let [low, high] = corners()
         .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| [low.min(p), high.max(p)]);
@@ -145,7 +145,7 @@ pub fn view(pieces: &[Piece], random: &mut Random, look: Look) -> Camera {
     let (v, w) = (random.between(0.0, 0.5), random.between(0.0, 0.5));
     let place = [1.0 - v - w, v, w];
     let (point, normal) = (piece.point(place), piece.normal(place));
-    let (eye, target) = match look {
+    let (eye, target) = match style {
         Look::Far => (middle + direction(random) * (size * random.between(2.8, 12.0)), middle),
         Look::Near => {
             let away = (normal + 0.8 * direction(random)).normalize();

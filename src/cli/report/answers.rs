@@ -12,16 +12,16 @@ use freeform_surface::{
 use glam::{DVec3, DVec4, Vec3, dvec2, vec3};
 use indicatif::ProgressBar;
 
-use super::lab::{Lab, Wrong};
+use super::bench::{Bench, Wrong};
 use super::triangles;
 
 /// Pixels a unit: two units fill the 300 pixels of a quick report's picture.
 const UNIT_PX: f32 = 150.0;
 
-fn lab(sources: Sources, quick: bool) -> Lab {
+fn bench(sources: Sources, quick: bool) -> Bench {
     let resources = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources");
     let context = Headless::new(Backend::Auto).unwrap();
-    Lab::new(context, sources, resources, quick, ProgressBar::hidden()).unwrap()
+    Bench::new(context, sources, resources, quick, ProgressBar::hidden()).unwrap()
 }
 
 /// A unit square in z = 0 with x = u and y = v, seen from above.
@@ -39,15 +39,15 @@ fn square() -> Scene {
 
 #[test]
 fn of_a_plane_nothing_is_off() {
-    let (errors, figures) = lab(Sources::default(), true).errors(&square()).unwrap();
+    let (errors, stats) = bench(Sources::default(), true).errors(&square()).unwrap();
     assert_eq!((errors.covered, errors.bad_values), (150 * 150, 0));
     assert!(errors.max_error_px < 1e-3 && errors.normal_error_deg < 1e-2, "{errors:?}");
-    assert!(figures.triangles > 0);
+    assert!(stats.triangles > 0);
 }
 
 #[test]
 fn a_shifted_and_turned_surface_is_off_by_that() {
-    let mut lab = lab(Sources::default(), true);
+    let mut bench = bench(Sources::default(), true);
     let shift = vec3(3.0, 4.0, 0.0) / UNIT_PX;
     let (sine, cosine) = 10_f32.to_radians().sin_cos();
     let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[u, v]| StaticVertex {
@@ -58,17 +58,17 @@ fn a_shifted_and_turned_surface_is_off_by_that() {
         v,
         patch: 0,
     });
-    let gl = lab.gl();
+    let gl = bench.gl();
     let mesh = StaticMesh::new(&gl, &corners, &[0, 1, 2, 2, 1, 3]).unwrap();
     let scene = square();
     let texture = scene.surfaces[0].paint.upload(&gl).unwrap();
-    let look = StaticStyle {
+    let style = StaticStyle {
         method: Method::Exact,
         shading: Shading::Phong,
         trims: TrimFeatures::NONE,
         texture: &texture,
     };
-    let errors = lab.static_errors(&mesh, &look, &scene).unwrap();
+    let errors = bench.static_errors(&mesh, &style, &scene).unwrap();
     assert_eq!(errors.covered, 150 * 150);
     for error in [errors.max_error_px, errors.rms_error_px] {
         assert!((error - 5.0).abs() < 1e-3, "{errors:?}");
@@ -78,7 +78,7 @@ fn a_shifted_and_turned_surface_is_off_by_that() {
 
 #[test]
 fn an_icosahedron_is_as_far_from_its_sphere_as_its_faces() {
-    let section = triangles::section(&mut lab(Sources::default(), true)).unwrap();
+    let section = triangles::section(&mut bench(Sources::default(), true)).unwrap();
     let plain = |row: &&super::row::Row| row.scene == "sphere" && row.method == "plain, GPU";
     let row = section.rows.iter().find(plain).unwrap();
     // The radius of the sphere within is √((5 + 2√5) / 15).
@@ -94,8 +94,8 @@ fn a_border_that_was_moved_by_three_pixels_is_found_there() {
     scene.surfaces[0].trims.rects.push(interval);
     scene.settings.method = Method::Exact;
     let found = |sources| {
-        let mut lab = lab(sources, true);
-        lab.wrong(&scene).unwrap()
+        let mut bench = bench(sources, true);
+        bench.wrong(&scene).unwrap()
     };
     let right = found(Sources::default());
     assert_eq!(right, Wrong { pixels: 0, distance: Some(0.0) });
@@ -111,10 +111,10 @@ fn a_border_that_was_moved_by_three_pixels_is_found_there() {
 
 #[test]
 fn a_weight_that_is_off_by_a_thousandth_shows() {
-    let mut scene = lab(Sources::default(), true).scene("scenes/thesis/fig14.toml").unwrap();
+    let mut scene = bench(Sources::default(), true).scene("scenes/thesis/fig14.toml").unwrap();
     scene.settings.method = Method::Exact;
     scene.settings.tessellation = Tessellation::Level(TessLevel::new(64).unwrap());
-    let error = |sources| lab(sources, false).errors(&scene).unwrap().0.max_error_px;
+    let error = |sources| bench(sources, false).errors(&scene).unwrap().0.max_error_px;
     let right = error(Sources::default());
     let broken = Sources::default().with_edit(
         "exact/patch.glsl",
@@ -134,10 +134,10 @@ fn a_trim_that_is_off_by_a_ten_thousandth_shows() {
             "uv = clamp(uv, 0.0, 0.99999994);",
             &format!("uv = clamp(uv + {shift}, 0.0, 0.99999994);"),
         );
-        let mut lab = lab(sources, false);
-        let mut scene = lab.scene("scenes/thesis/fig22.toml").unwrap();
+        let mut bench = bench(sources, false);
+        let mut scene = bench.scene("scenes/thesis/fig22.toml").unwrap();
         scene.settings.method = Method::Exact;
-        wrong.push(lab.wrong(&scene).unwrap().pixels);
+        wrong.push(bench.wrong(&scene).unwrap().pixels);
     }
     assert!(wrong[0] == 0 && wrong[1] > 10, "{wrong:?}");
 }

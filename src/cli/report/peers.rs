@@ -14,7 +14,7 @@ use freeform_surface::{
 use glam::{DMat4, Vec3};
 
 use super::Section;
-use super::lab::{Lab, Moving};
+use super::bench::{Bench, Moving};
 use super::plot::{Line, plot};
 use super::row::Row;
 use glu::{Glu, Patches};
@@ -25,7 +25,7 @@ pub(super) const SCENE: &str = "teapot";
 pub(super) const LIBGLU: &str = "libGLU";
 pub(super) const STATIC: &str = "static mesh";
 
-pub(super) fn section(lab: &mut Lab) -> Result<Section> {
+pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(
         "peers",
         "Peers: the same view by others",
@@ -34,19 +34,19 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          trimming curves of degree one; its time includes their upload. The static mesh is made of \
          the exact method's own triangles, once: the floor, which knows nothing of a new view.",
     );
-    let size = lab.size;
-    lab.resize(SIZE)?;
-    let measured = measure(lab, &mut section);
-    lab.resize(size)?;
+    let size = bench.size;
+    bench.resize(SIZE)?;
+    let measured = measure(bench, &mut section);
+    bench.resize(size)?;
     measured?;
     Ok(section)
 }
 
-fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
-    let mut scene = lab.scene("scenes/gallery/teapot.toml")?;
+fn measure(bench: &mut Bench, section: &mut Section) -> Result<()> {
+    let mut scene = bench.scene("scenes/gallery/teapot.toml")?;
     scene.settings.method = Method::Exact;
     scene.settings.samples = Default::default();
-    let tolerances: &[f64] = if lab.quick { &[0.5] } else { &[4.0, 2.0, 1.0, 0.5, 0.25] };
+    let tolerances: &[f64] = if bench.quick { &[0.5] } else { &[4.0, 2.0, 1.0, 0.5, 0.25] };
     let mut peer = match Glu::load().and_then(|glu| Ok((glu, Patches::of(&scene)?))) {
         Ok(peer) => Some(peer),
         Err(reason) => {
@@ -55,11 +55,11 @@ fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
             None
         }
     };
-    lab.begin(tolerances.len());
+    bench.begin(tolerances.len());
     for tolerance in tolerances {
-        lab.step(format!("peers: {tolerance} px"));
+        bench.step(format!("peers: {tolerance} px"));
         scene.settings.tessellation = Tessellation::Within(Tolerance::new(*tolerance)?);
-        section.rows.extend(rows(lab, &scene, *tolerance, peer.as_mut())?);
+        section.rows.extend(rows(bench, &scene, *tolerance, peer.as_mut())?);
     }
     let line = |name: &str| {
         let of = section.rows.iter().filter(|row| row.method == name);
@@ -80,57 +80,57 @@ fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
 
 /// All who draw within one tolerance, in turns.
 fn rows(
-    lab: &mut Lab,
+    bench: &mut Bench,
     scene: &Scene,
     tolerance: f64,
     mut peer: Option<&mut (Glu, Patches)>,
 ) -> Result<Vec<Row>> {
-    let frame = lab.frame(scene);
-    let corners = lab.triangles(scene)?;
+    let frame = bench.frame(scene);
+    let corners = bench.triangles(scene)?;
     let (vertices, indices) = indexed(&corners, frame.camera.view);
-    let gl = lab.gl();
+    let gl = bench.gl();
     let still = StaticMesh::new(&gl, &vertices, &indices)?;
     let mut streamed = StaticMesh::new(&gl, &vertices, &indices)?;
     let texture = scene.surfaces[0].paint.upload(&gl)?;
-    let look = StaticStyle {
+    let style = StaticStyle {
         method: Method::Exact,
         shading: Shading::Phong,
         trims: TrimFeatures::NONE,
         texture: &texture,
     };
-    let mut prepared = lab.prepare(scene)?;
+    let mut prepared = bench.prepare(scene)?;
     let mut cameras = vec![Moving::new(frame); 2 + usize::from(peer.is_some())];
     let background = scene.settings.background;
-    let size = lab.size;
-    let timings = lab.time_frames(cameras.len(), |renderer, way| {
+    let size = bench.size;
+    let timings = bench.time_frames(cameras.len(), |renderer, way| {
         let frame = &cameras[way].next();
         if way == 0 {
             return prepared.draw(renderer, frame).map(drop);
         }
         renderer.clear(background);
         match peer.as_deref_mut().filter(|_| way == 2) {
-            None => renderer.draw_static(&still, &look, frame),
+            None => renderer.draw_static(&still, &style, frame),
             Some(peer) => {
                 fill(&mut streamed, peer, &gl, frame, size, tolerance)?;
-                renderer.draw_static(&streamed, &look, frame)
+                renderer.draw_static(&streamed, &style, frame)
             }
         }
     })?;
     let row = |name: &str, timing: Timing| Row {
         tolerance: Some(tolerance),
         patches: Some(prepared.stats().patches),
-        command: lab.report_command("peers"),
+        command: bench.report_command("peers"),
         ..Row::new("peers", SCENE, name).timed(timing)
     };
     let mut rows = vec![row("exact", timings[0]), row(STATIC, timings[1])];
     rows.extend(timings.get(2).map(|timing| row(LIBGLU, *timing)));
-    let (errors, figures) = lab.errors(scene)?;
-    rows[0] = rows[0].clone().measured(&errors, figures.triangles);
-    let errors = lab.static_errors(&still, &look, scene)?;
+    let (errors, stats) = bench.errors(scene)?;
+    rows[0] = rows[0].clone().measured(&errors, stats.triangles);
+    let errors = bench.static_errors(&still, &style, scene)?;
     rows[1] = rows[1].clone().measured(&errors, still.triangles() as u64);
     if let Some(peer) = peer {
         fill(&mut streamed, peer, &gl, &frame, size, tolerance)?;
-        let errors = lab.static_errors(&streamed, &look, scene)?;
+        let errors = bench.static_errors(&streamed, &style, scene)?;
         rows[2] = rows[2].clone().measured(&errors, streamed.triangles() as u64);
     }
     Ok(rows)

@@ -11,11 +11,11 @@ use freeform_surface::{
 use glam::{DVec3, DVec4, dvec2, dvec3};
 
 use super::Section;
-use super::lab::Lab;
+use super::bench::Bench;
 use super::plot::{Line, plot};
 use super::row::Row;
 
-pub(super) fn section(lab: &mut Lab) -> Result<Section> {
+pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(
         "scaling",
         "Scaling: time and memory against size",
@@ -23,26 +23,27 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          that small scenes cost what its pixels cost. Memory is what the process grows by at most \
          meanwhile, beyond what it holds from before.",
     );
-    let patches: &[usize] = if lab.quick { &[1, 100, 1_000] } else { &[1, 10, 100, 1_000, 10_000] };
+    let patches: &[usize] =
+        if bench.quick { &[1, 100, 1_000] } else { &[1, 10, 100, 1_000, 10_000] };
     let segments: &[usize] =
-        if lab.quick { &[4, 400, 40_000] } else { &[4, 40, 400, 4_000, 40_000, 100_000] };
+        if bench.quick { &[4, 400, 40_000] } else { &[4, 40, 400, 4_000, 40_000, 100_000] };
     let triangles: &[usize] =
-        if lab.quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
-    lab.begin(patches.len() + segments.len() + triangles.len());
+        if bench.quick { &[1_000, 10_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
+    bench.begin(patches.len() + segments.len() + triangles.len());
     let mut lines = Vec::new();
     for (name, sizes, measure) in [
-        ("patches", patches, of_patches as fn(&mut Lab, usize) -> Result<(Timing, Row)>),
+        ("patches", patches, of_patches as fn(&mut Bench, usize) -> Result<(Timing, Row)>),
         ("trim segments", segments, of_segments),
         ("mesh triangles, one PN step", triangles, of_triangles),
     ] {
         let mut points = Vec::new();
         for size in sizes {
-            lab.step(format!("scaling: {size} {name}"));
+            bench.step(format!("scaling: {size} {name}"));
             let before = memory_from_here();
-            let (timing, row) = measure(lab, *size)?;
+            let (timing, row) = measure(bench, *size)?;
             let grown = before.and_then(|before| Some(most_memory()?.saturating_sub(before)));
             points.push((*size as f64, timing.ms));
-            let command = lab.report_command("scaling");
+            let command = bench.report_command("scaling");
             section.rows.push(Row { memory: grown, command, ..row }.timed(timing));
         }
         if let [.., a, b] = points[..] {
@@ -83,7 +84,7 @@ fn most_memory() -> Option<u64> {
 }
 
 /// A field of bumps as wide as the picture.
-fn of_patches(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
+fn of_patches(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     let mut scene = Scene::listing16();
     let single = scene.surfaces.remove(0);
     let side = (count as f64).sqrt().ceil() as usize;
@@ -94,12 +95,12 @@ fn of_patches(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
     let mut surface = Surface::new(Degree::Cubic, points.collect())?;
     surface.paint = single.paint;
     scene.surfaces.push(surface);
-    let timing = lab.time(std::slice::from_ref(&scene))?[0];
+    let timing = bench.time(std::slice::from_ref(&scene))?[0];
     Ok((timing, Row { patches: Some(count), ..Row::new("scaling", "patches", "exact") }))
 }
 
 /// A hole with a wavy border of so many straight segments.
-fn of_segments(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
+fn of_segments(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     let mut scene = Scene::listing16();
     let at = |i: usize| {
         let angle = TAU * (i % count) as f64 / count as f64;
@@ -110,15 +111,15 @@ fn of_segments(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
     let trims = &mut scene.surfaces[0].trims;
     trims.circles.clear();
     trims.add_loop(TrimLoop::new(segments)?)?;
-    let timing = lab.time(std::slice::from_ref(&scene))?[0];
+    let timing = bench.time(std::slice::from_ref(&scene))?[0];
     Ok((timing, Row { segments: Some(count), ..Row::new("scaling", "trim segments", "exact") }))
 }
 
 /// Neighbours and one step of a torus of about so many triangles.
-fn of_triangles(lab: &mut Lab, count: usize) -> Result<(Timing, Row)> {
+fn of_triangles(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     let mesh = torus((count / 2).isqrt())?;
     let triangles = mesh.triangles().len();
-    let timing = in_turns_by(lab.turns, 1, |_| {
+    let timing = in_turns_by(bench.turns, 1, |_| {
         let mesh = mesh.clone();
         let start = Instant::now();
         let stepped = HalfedgeMesh::new(mesh).tessellate(Smoothing::Pn)?;

@@ -6,7 +6,7 @@ use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::inspect::measure::Measurement;
 use freeform_surface::{AovKind, Method, Result, Scene};
 
-use super::lab::{Lab, Wrong};
+use super::bench::{Bench, Wrong};
 use super::row::{Row, name};
 use super::{Figure, Section};
 
@@ -19,7 +19,7 @@ const FAR_PX: f64 = 0.5;
 /// So is one whose normals are turned further.
 const TURNED_DEG: f64 = 15.0;
 
-pub(super) fn section(lab: &mut Lab) -> Result<Section> {
+pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(
         "stability",
         "Stability: the hard cases",
@@ -28,32 +28,32 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          surface's own, which triangles within the tolerance may do. What a method cannot draw at all it \
          refuses, and says why. Meshes are drawn in the one way that there is.",
     );
-    let size = lab.size;
-    lab.resize(SIZE)?;
-    let measured = measure(lab, &mut section);
-    lab.resize(size)?;
+    let size = bench.size;
+    bench.resize(SIZE)?;
+    let measured = measure(bench, &mut section);
+    bench.resize(size)?;
     measured?;
     section.findings = findings(&section.rows);
     Ok(section)
 }
 
-fn measure(lab: &mut Lab, section: &mut Section) -> Result<()> {
-    let mut cases = cases(lab)?;
-    if lab.quick {
+fn measure(bench: &mut Bench, section: &mut Section) -> Result<()> {
+    let mut cases = cases(bench)?;
+    if bench.quick {
         cases.retain(|(name, _)| QUICK.contains(&name.as_str()));
     }
-    lab.begin(cases.len());
+    bench.begin(cases.len());
     for (case, path) in &cases {
-        lab.step(format!("stability: {case}"));
+        bench.step(format!("stability: {case}"));
         let scene = Scene::load(path)?;
         if !scene.meshes.is_empty() {
-            row_of_mesh(lab, case, &scene, section)?;
+            row_of_mesh(bench, case, &scene, section)?;
             continue;
         }
         for method in [Method::Exact, Method::Thesis] {
             let mut scene = scene.clone();
             scene.settings.method = method;
-            row_of(lab, case, &scene, path, section)?;
+            row_of(bench, case, &scene, path, section)?;
         }
     }
     Ok(())
@@ -102,8 +102,8 @@ const QUICK: [&str; 7] = [
 ];
 
 /// The scenes of the folder by name, but those that are there to be refused.
-fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
-    let folder = lab.path("scenes/stability");
+fn cases(bench: &Bench) -> Result<Vec<(String, PathBuf)>> {
+    let folder = bench.path("scenes/stability");
     let fail = |error: std::io::Error| freeform_surface::Error::file("read", folder.clone(), error);
     let mut cases = Vec::new();
     for entry in std::fs::read_dir(&folder).map_err(fail)? {
@@ -119,7 +119,7 @@ fn cases(lab: &Lab) -> Result<Vec<(String, PathBuf)>> {
 
 /// Adds the row and picture of a case by one method.
 fn row_of(
-    lab: &mut Lab,
+    bench: &mut Bench,
     case: &str,
     scene: &Scene,
     path: &Path,
@@ -134,52 +134,52 @@ fn row_of(
     }
     // The border of trims is compared by their own answers, which are sharper than a silhouette's.
     let row = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
-        let wrong = lab.wrong(scene)?;
+        let wrong = bench.wrong(scene)?;
         Row {
             wrong_pixels: Some(wrong.pixels),
             max_wrong_distance: wrong.distance,
             note: note_of_trims(wrong),
-            command: lab.report_command("stability"),
+            command: bench.report_command("stability"),
             ..row
         }
     } else {
-        let (errors, figures) = lab.errors_and_silhouette(scene)?;
+        let (errors, stats) = bench.errors_and_silhouette(scene)?;
         Row {
             silhouette_pixels: Some(errors.silhouette_pixels),
-            note: note_of(&errors, figures.unmet),
-            command: lab.command(&path.display().to_string(), &format!("--method {method}")),
-            ..row.measured(&errors, figures.triangles)
+            note: note_of(&errors, stats.unmet),
+            command: bench.command(&path.display().to_string(), &format!("--method {method}")),
+            ..row.measured(&errors, stats.triangles)
         }
     };
-    show(lab, scene, &row, section)?;
+    show(bench, scene, &row, section)?;
     section.rows.push(row);
     Ok(())
 }
 
 /// Adds the row and picture of a mesh.
-fn row_of_mesh(lab: &mut Lab, case: &str, scene: &Scene, section: &mut Section) -> Result<()> {
-    let (aovs, figures) = lab.numbers(scene)?;
+fn row_of_mesh(bench: &mut Bench, case: &str, scene: &Scene, section: &mut Section) -> Result<()> {
+    let (aovs, stats) = bench.numbers(scene)?;
     let numbers = AovKind::ALL.iter().flat_map(|kind| aovs.channel(*kind).as_flattened());
     let bad = numbers.filter(|value| !value.is_finite()).count();
     let drawn = aovs.uv.iter().any(|[.., drawn]| *drawn != 0.0);
     let row = Row {
-        triangles: Some(figures.triangles),
+        triangles: Some(stats.triangles),
         note: match (drawn, bad) {
             (false, _) => Some("nothing is drawn".into()),
             (true, 0) => None,
             (true, _) => Some(format!("{bad} numbers are none")),
         },
-        command: lab.report_command("stability"),
+        command: bench.report_command("stability"),
         ..Row::new("stability", case, MESHES)
     };
-    show(lab, scene, &row, section)?;
+    show(bench, scene, &row, section)?;
     section.rows.push(row);
     Ok(())
 }
 
 /// Adds the small picture of a row.
-fn show(lab: &mut Lab, scene: &Scene, row: &Row, section: &mut Section) -> Result<()> {
-    let picture = lab.picture(scene)?;
+fn show(bench: &mut Bench, scene: &Scene, row: &Row, section: &mut Section) -> Result<()> {
+    let picture = bench.picture(scene)?;
     let height = THUMBNAIL * picture.height() / picture.width();
     let note = row.note.as_deref().unwrap_or("nothing goes wrong");
     section.figures.push(Figure {

@@ -3,7 +3,7 @@
 use freeform_surface::{Method, Result, Scene, TessLevel, Tessellation, Tolerance};
 
 use super::Section;
-use super::lab::Lab;
+use super::bench::Bench;
 use super::plot::{Line, plot};
 use super::row::{Row, half_a_pixel, name};
 
@@ -65,8 +65,8 @@ fn ways(quick: bool) -> Result<Vec<Way>> {
     Ok(ways)
 }
 
-pub(super) fn section(lab: &mut Lab) -> Result<Section> {
-    let ways = ways(lab.quick)?;
+pub(super) fn section(bench: &mut Bench) -> Result<Section> {
+    let ways = ways(bench.quick)?;
     let mut section = Section::new(
         "tessellation",
         "Tessellation: error against time",
@@ -74,17 +74,17 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          surface's own point on the screen, in f64. Thesis normals are wrong within a patch; the \
          last columns show by how much.",
     );
-    lab.begin(SCENES.len());
+    bench.begin(SCENES.len());
     for (scene_name, path) in SCENES {
-        lab.step(format!("tessellation: {scene_name}"));
-        let mut scene = lab.scene(path)?;
+        bench.step(format!("tessellation: {scene_name}"));
+        let mut scene = bench.scene(path)?;
         scene.settings.samples = Default::default();
         let scenes: Vec<Scene> = ways.iter().map(|way| way.apply(&scene)).collect();
-        let timings = lab.time(&scenes)?;
-        let file = lab.path(path).display().to_string();
+        let timings = bench.time(&scenes)?;
+        let file = bench.path(path).display().to_string();
         let mut lines: Vec<Line> = Vec::new();
         for ((way, scene), timing) in ways.iter().zip(&scenes).zip(timings) {
-            let (errors, figures) = lab.errors(scene)?;
+            let (errors, stats) = bench.errors(scene)?;
             let (level, tolerance) = match way.tessellation {
                 Tessellation::Level(level) => (Some(level.get()), None),
                 Tessellation::Within(tolerance) => (None, Some(tolerance.pixels())),
@@ -94,10 +94,10 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
                 level,
                 tolerance,
                 patches: Some(scene.surfaces.iter().map(|surface| surface.patches().len()).sum()),
-                command: lab.command(&file, &options),
+                command: bench.command(&file, &options),
                 ..Row::new("tessellation", scene_name, name(way.method))
             };
-            section.rows.push(row.timed(timing).measured(&errors, figures.triangles));
+            section.rows.push(row.timed(timing).measured(&errors, stats.triangles));
             let point = (timing.ms, errors.max_error_px);
             match lines.iter_mut().find(|line| line.name == way.line()) {
                 Some(line) => line.points.push(point),

@@ -8,7 +8,7 @@ use freeform_surface::{
 use glam::{DMat4, DVec3};
 
 use super::Section;
-use super::lab::Lab;
+use super::bench::Bench;
 use super::plot::{Line, plot};
 use super::row::Row;
 
@@ -24,7 +24,7 @@ const SHAPES: [(&str, &str, Distance); 2] = [
     }),
 ];
 
-pub(super) fn section(lab: &mut Lab) -> Result<Section> {
+pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(
         "triangles",
         "Triangles: smoothed meshes against the ideal shape",
@@ -38,11 +38,11 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
         ("pn", Smoothing::Pn),
         ("phong", Smoothing::Phong(Alpha::default())),
     ];
-    let levels: &[i64] = if lab.quick { &[1, 3, 8] } else { &[1, 2, 3, 4, 8, 16, 32] };
-    lab.begin(SHAPES.len());
+    let levels: &[i64] = if bench.quick { &[1, 3, 8] } else { &[1, 2, 3, 4, 8, 16, 32] };
+    bench.begin(SHAPES.len());
     for (shape, path, distance) in SHAPES {
-        lab.step(format!("triangles: {shape}"));
-        let file = lab.path(path);
+        bench.step(format!("triangles: {shape}"));
+        let file = bench.path(path);
         let mesh = Mesh::load_obj(&file, CreaseAngle::NONE)?;
         let (mut over_time, mut over_triangles) = (Vec::new(), Vec::new());
         for (way, smoothing) in ways {
@@ -52,11 +52,11 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
             for level in levels {
                 scenes.push(scene(&mesh, smoothing, *level)?);
             }
-            let timings = lab.time(&scenes)?;
+            let timings = bench.time(&scenes)?;
             let (mut times, mut counts) = (Vec::new(), Vec::new());
             for ((scene, level), timing) in scenes.iter().zip(levels).zip(timings) {
-                let triangles = lab.triangles(scene)?;
-                let projection = scene.projection(lab.size.0, lab.size.1);
+                let triangles = bench.triangles(scene)?;
+                let projection = scene.projection(bench.size.0, bench.size.1);
                 let error = largest(&corners(&triangles, projection.view), distance);
                 times.push((timing.ms, error));
                 counts.push((triangles.len() as f64 / 3.0, error));
@@ -64,7 +64,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
                     level: Some(*level as u32),
                     triangles: Some(triangles.len() as u64 / 3),
                     max_error: Some(error),
-                    command: lab.report_command("triangles"),
+                    command: bench.report_command("triangles"),
                     ..Row::new("triangles", shape, format!("{way}, GPU"))
                 };
                 section.rows.push(row.timed(timing));
@@ -74,7 +74,7 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
             let mut counts = Vec::new();
             for steps in 1..=(if smoothing == Smoothing::None { 0 } else { 3 }) {
                 let mut step = || smooth(mesh.clone(), smoothing, steps).map(drop);
-                let timing = in_turns(lab.turns, &mut [&mut step])?[0];
+                let timing = in_turns(bench.turns, &mut [&mut step])?[0];
                 let smoothed = smooth(mesh.clone(), smoothing, steps)?;
                 let corners: Vec<DVec3> = smoothed
                     .triangles()

@@ -2,7 +2,7 @@
 
 use freeform_surface::{Method, Newton, Result, Scene};
 
-use super::lab::{Lab, difference};
+use super::bench::{Bench, difference};
 use super::plot::{Line, plot};
 use super::row::{Row, name, trims};
 use super::{Figure, Section};
@@ -23,7 +23,7 @@ fn with(scene: &Scene, method: Method, newton: Newton) -> Scene {
     scene
 }
 
-pub(super) fn section(lab: &mut Lab) -> Result<Section> {
+pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     let mut section = Section::new(
         "trimming",
         "Trimming: wrong pixels against time",
@@ -32,26 +32,26 @@ pub(super) fn section(lab: &mut Lab) -> Result<Section> {
          furthest wrong pixel to the nearest one on the other side of the loops' border. Figure 26 is \
          figure 25 in lines: it is timed, and its pixels are not counted again.",
     );
-    lab.begin(FIGURES.count() + DEFECTS.count());
+    bench.begin(FIGURES.count() + DEFECTS.count());
     for figure in FIGURES {
-        lab.step(format!("trimming: figure {figure}"));
-        rows_of(lab, figure, &mut section)?;
+        bench.step(format!("trimming: figure {figure}"));
+        rows_of(bench, figure, &mut section)?;
     }
     section.findings = claims(&section.rows);
     for figure in DEFECTS {
-        lab.step(format!("trimming: figure {figure}"));
-        pictures_of(lab, figure, &mut section)?;
+        bench.step(format!("trimming: figure {figure}"));
+        pictures_of(bench, figure, &mut section)?;
     }
     Ok(section)
 }
 
 /// The rows of one figure: exact, and the thesis with all iterations and all epsilons.
-fn rows_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> {
-    let scene = lab.scene(&path(figure))?;
+fn rows_of(bench: &mut Bench, figure: u32, section: &mut Section) -> Result<()> {
+    let scene = bench.scene(&path(figure))?;
     let usual = Newton::default();
     let mut ways = vec![(Method::Exact, usual)];
-    let iterations: &[u32] = if lab.quick { &[5, 10, 20] } else { &ITERATIONS };
-    let epsilons: &[f64] = if lab.quick { &[1e-3, 1e-4] } else { &EPSILONS };
+    let iterations: &[u32] = if bench.quick { &[5, 10, 20] } else { &ITERATIONS };
+    let epsilons: &[f64] = if bench.quick { &[1e-3, 1e-4] } else { &EPSILONS };
     for iterations in iterations {
         ways.push((Method::Thesis, Newton::new(*iterations, usual.epsilon())?));
     }
@@ -60,14 +60,14 @@ fn rows_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> {
     }
     let scenes: Vec<Scene> =
         ways.iter().map(|(method, newton)| with(&scene, *method, *newton)).collect();
-    let timings = lab.time(&scenes)?;
+    let timings = bench.time(&scenes)?;
     let scene_name = format!("figure {figure}");
     let mut by_iterations = Vec::new();
     let mut exact_ms = 0.0;
     for (((method, newton), scene), timing) in ways.iter().zip(&scenes).zip(timings) {
         let is_thesis = *method == Method::Thesis;
         let in_lines = scene.settings.wireframe;
-        let wrong = if in_lines { None } else { Some(lab.wrong(scene)?) };
+        let wrong = if in_lines { None } else { Some(bench.wrong(scene)?) };
         if is_thesis && newton.epsilon() == usual.epsilon() {
             by_iterations.push((f64::from(newton.iterations()), timing.ms));
         } else if !is_thesis {
@@ -79,7 +79,7 @@ fn rows_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> {
             segments: Some(scene.surfaces[0].trims.segment_count()),
             wrong_pixels: wrong.map(|wrong| wrong.pixels),
             max_wrong_distance: wrong.and_then(|wrong| wrong.distance),
-            command: lab.report_command("trimming"),
+            command: bench.report_command("trimming"),
             ..Row::new("trimming", &scene_name, name(*method))
         };
         section.rows.push(row.timed(timing));
@@ -97,11 +97,11 @@ fn rows_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> {
 }
 
 /// A defect of the thesis beside the exact picture, and where they differ.
-fn pictures_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> {
-    let thesis = lab.scene(&path(figure))?;
+fn pictures_of(bench: &mut Bench, figure: u32, section: &mut Section) -> Result<()> {
+    let thesis = bench.scene(&path(figure))?;
     let exact = with(&thesis, Method::Exact, thesis.settings.newton);
-    let (wrong, exact_wrong) = (lab.wrong(&thesis)?, lab.wrong(&exact)?);
-    let pictures = [lab.picture(&thesis)?, lab.picture(&exact)?];
+    let (wrong, exact_wrong) = (bench.wrong(&thesis)?, bench.wrong(&exact)?);
+    let pictures = [bench.picture(&thesis)?, bench.picture(&exact)?];
     let newton = thesis.settings.newton;
     let how = format!("{} iterations, epsilon {}", newton.iterations(), newton.epsilon());
     for (method, wrong) in [(Method::Thesis, wrong), (Method::Exact, exact_wrong)] {
@@ -111,7 +111,7 @@ fn pictures_of(lab: &mut Lab, figure: u32, section: &mut Section) -> Result<()> 
             epsilon: is_thesis.then(|| newton.epsilon()),
             wrong_pixels: Some(wrong.pixels),
             max_wrong_distance: wrong.distance,
-            command: lab.report_command("trimming"),
+            command: bench.report_command("trimming"),
             ..Row::new("trimming", &format!("figure {figure}"), name(method))
         });
     }

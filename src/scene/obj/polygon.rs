@@ -327,8 +327,7 @@ mod tests {
         let corners: Vec<DVec2> = outer.iter().chain(&hole).map(|(x, y)| dvec2(*x, *y)).collect();
         let found = triangles(&corners.iter().map(|corner| corner.extend(1.0)).collect::<Vec<_>>());
         let areas = found.iter().map(|triangle| area(&triangle.map(|corner| corners[corner])));
-        let (min, sum) =
-            areas.fold((1.0, 0.0), |(min, sum), area| (area.min(min), sum + area));
+        let (min, sum) = areas.fold((1.0, 0.0), |(min, sum), area| (area.min(min), sum + area));
         assert!(min >= 0.0 && sum == 24.0, "{min} {sum}");
     }
 

@@ -19,23 +19,23 @@ impl From<DMat4> for ToClip {
 /// The control points (x, y, z, weight) of a patch of `N` × `N`, row by row.
 pub(crate) type Points<const N: usize> = [[DVec4; N]; N];
 
-/// The control points of a patch of `N` × `N` or of a part of one in clip space, row by row,
+/// The control points of a patch of `N` × `N` or of a sub-patch of one in clip space, row by row,
 /// multiplied by their weights; or those of several patches side by side.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClipNet<const N: usize, T = f64> {
     /// x, y, z, w and the weight.
     axes: [[[T; N]; N]; 5],
     /// Whether the weights may differ from 1.
-    weighed: bool,
+    is_rational: bool,
 }
 
 impl<const N: usize, T: Number> ClipNet<N, T> {
-    /// Transforms the control points of each lane's patch; all weights are 1 unless it is `weighed`.
+    /// Transforms the control points of each lane's patch; all weights are 1 unless it is `rational`.
     #[inline(always)]
     pub(crate) fn new<'a>(
         token: T::Token,
         points: impl Fn(usize) -> &'a Points<N>,
-        weighed: bool,
+        is_rational: bool,
         to_clip: &ToClip,
     ) -> Self {
         let mut rows = [[T::all(token, 0.0); 4]; 4];
@@ -44,7 +44,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
                 *number = T::all(token, value);
             }
         }
-        let mut net = Self { axes: [[[T::all(token, 1.0); N]; N]; 5], weighed };
+        let mut net = Self { axes: [[[T::all(token, 1.0); N]; N]; 5], is_rational };
         for row in 0..N {
             for column in 0..N {
                 let point = |lane: usize| points(lane)[row][column];
@@ -54,7 +54,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
                 for (axis, m) in net.axes.iter_mut().zip(&rows) {
                     axis[row][column] = m[0] * x + m[1] * y + (m[2] * z + m[3]);
                 }
-                if weighed {
+                if is_rational {
                     let weight = T::each(token, |lane| point(lane).w);
                     for axis in &mut net.axes {
                         axis[row][column] = axis[row][column] * weight;
@@ -118,7 +118,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
                 *range = [range[0].smaller(value), range[1].larger(value)];
             }
         }
-        let [min_weight, min_depth] = if self.weighed {
+        let [min_weight, min_depth] = if self.is_rational {
             self.least_weight_and_depth()
         } else {
             [T::all(token, 1.0), min_w]

@@ -42,7 +42,7 @@ impl<T: Number> Need<T> {
 pub(crate) struct Candidate<'a, const N: usize> {
     pub(crate) points: &'a Points<N>,
     /// Whether its weights may differ from 1.
-    pub(crate) weighed: bool,
+    pub(crate) is_rational: bool,
     /// Where its need is written to.
     pub(crate) place: usize,
 }
@@ -76,8 +76,9 @@ fn side_by_side<const N: usize, S: Simd>(
         let last = patches.len() - 1;
         let points: [&Points<N>; MAX_LANES] =
             std::array::from_fn(|lane| patches[lane.min(last)].points);
-        let weighed = patches.iter().any(|patch| patch.weighed);
-        let net: ClipNet<N, Lanes<S>> = ClipNet::new(simd, |lane| points[lane], weighed, to_clip);
+        let is_rational = patches.iter().any(|patch| patch.is_rational);
+        let net: ClipNet<N, Lanes<S>> =
+            ClipNet::new(simd, |lane| points[lane], is_rational, to_clip);
         let outside = net.outside();
         let is_outside = |lane: usize| outside.lane(lane) > 0.0;
         if (0..patches.len()).all(is_outside) {

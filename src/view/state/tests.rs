@@ -167,7 +167,7 @@ fn trims_with_numbers_that_are_none_and_edits_of_nothing_change_nothing() {
     broken
         .circles
         .push(freeform_surface::Circle { center: dvec2(f64::INFINITY, 0.5), radius: 0.1 });
-    assert!(state.edit(vec![Part::Trims(0, Box::new(broken))]).is_err());
+    assert!(state.edit(vec![Change::Trims(0, Box::new(broken))]).is_err());
     assert!(state.edit(Vec::new()).is_ok());
     assert_eq!(state.scene.surfaces[0].trims, start);
     assert_eq!(state.take_changes(), Changes::default());
@@ -224,7 +224,7 @@ fn the_thesis_refuses_what_it_cannot_cut_and_nothing_changes() {
     let mut state = state();
     let mut trims = state.scene.surfaces[0].trims.clone();
     trims.add_svg_path("M.1 .1 h.2 v.2 z").unwrap();
-    state.edit(vec![Part::Trims(0, Box::new(trims))]).unwrap();
+    state.edit(vec![Change::Trims(0, Box::new(trims))]).unwrap();
     let scene = state.scene.clone();
     assert_eq!(state.apply(Action::Method), None);
     assert!(matches!(&state.message, Some(Message::Error(text)) if text.contains("surface 0")));
@@ -234,7 +234,7 @@ fn the_thesis_refuses_what_it_cannot_cut_and_nothing_changes() {
     let before = thesis.scene.surfaces[0].trims.clone();
     assert!(
         thesis
-            .edit(vec![Part::Trims(
+            .edit(vec![Change::Trims(
                 0,
                 Box::new(Trims { keep: Keep::Outside, ..scene.surfaces[0].trims.clone() })
             )])

@@ -18,7 +18,7 @@ use glam::{DMat4, DVec2, UVec2};
 use indicatif::ProgressBar;
 
 /// Measures scenes in pictures of one size.
-pub(super) struct Lab {
+pub(super) struct Bench {
     picture: Framebuffer,
     numbers: FloatTarget,
     renderer: Renderer,
@@ -44,7 +44,7 @@ pub(super) struct Wrong {
     pub(super) distance: Option<f64>,
 }
 
-impl Lab {
+impl Bench {
     pub(super) fn new(
         context: Headless,
         sources: Sources,
@@ -203,9 +203,9 @@ impl Lab {
 
     /// How far what is drawn of a scene is from its surfaces, and what was drawn.
     pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, FrameStats)> {
-        let (aovs, figures) = self.numbers(scene)?;
+        let (aovs, stats) = self.numbers(scene)?;
         let projection = self.frame(scene).camera;
-        Ok((measure_drawn(scene, &projection, &aovs), figures))
+        Ok((measure_drawn(scene, &projection, &aovs), stats))
     }
 
     /// The same, and what is missing or too much.
@@ -213,11 +213,11 @@ impl Lab {
         &mut self,
         scene: &Scene,
     ) -> Result<(Measurement, FrameStats)> {
-        let (aovs, figures) = self.numbers(scene)?;
+        let (aovs, stats) = self.numbers(scene)?;
         let projection = self.frame(scene).camera;
         let method = scene.settings.method;
         let coverage = reference::coverage(scene, &projection, UVec2::from(self.size), method)?;
-        Ok((measure(scene, &projection, &aovs, &coverage), figures))
+        Ok((measure(scene, &projection, &aovs, &coverage), stats))
     }
 
     /// The pixels that the trims of a scene of one surface decide wrongly: what they say in `f64` of the
@@ -259,11 +259,11 @@ impl Lab {
     pub(super) fn static_errors(
         &mut self,
         mesh: &StaticMesh,
-        look: &StaticStyle<'_>,
+        style: &StaticStyle<'_>,
         scene: &Scene,
     ) -> Result<Measurement> {
         let frame = self.frame(scene);
-        let aovs = self.renderer.static_aovs(mesh, look, &self.numbers, &frame)?;
+        let aovs = self.renderer.static_aovs(mesh, style, &self.numbers, &frame)?;
         Ok(measure_drawn(scene, &frame.camera, &aovs))
     }
 

@@ -1,20 +1,20 @@
-//! Parts of patches in clip space, and how many triangles each needs.
+//! Sub-patches of patches in clip space, and how many triangles each needs.
 
 use glam::{DMat4, DVec2, DVec4, UVec2};
 
 use super::{Corner, TOLERANCE_PX};
 use crate::bezier::{Patch, homogeneous};
 
-/// The most cells along a side of a part; a part that needs more is cut into four.
+/// The most cells along a side of a sub-patch; a sub-patch that needs more is cut into four.
 const MAX_CELLS: usize = 16;
-/// How often a part is cut into four.
+/// How often a sub-patch is cut into four.
 const MAX_CUTS: u32 = 9;
 /// The most control points along a side of a patch.
 const MAX_SIDE: usize = 5;
 
 /// A square part of a patch, in clip space.
 #[derive(Clone, Copy)]
-pub(super) struct Part {
+pub(super) struct SubPatch {
     /// Homogeneous control points, row by row.
     points: [DVec4; MAX_SIDE * MAX_SIDE],
     side: usize,
@@ -26,7 +26,7 @@ pub(super) struct Part {
     cuts: u32,
 }
 
-impl Part {
+impl SubPatch {
     /// `near_w` is that of points whose weight is 1.
     pub(super) fn whole(patch: &Patch<'_>, to_clip: &DMat4, near_w: f64) -> Self {
         let mut points = [DVec4::ZERO; MAX_SIDE * MAX_SIDE];
@@ -48,7 +48,7 @@ impl Part {
         &self.points[..self.side * self.side]
     }
 
-    /// Cuts it into parts that need few enough cells in a picture of `size` pixels, and gives those
+    /// Cuts it into sub-patches that need few enough cells in a picture of `size` pixels, and gives those
     /// that may be seen to `draw`, with their number of cells along a side.
     pub(super) fn cut_up(&self, size: UVec2, draw: &mut dyn FnMut(&Self, usize)) {
         if self.is_out_of_sight() {
@@ -90,7 +90,7 @@ impl Part {
         point.z / point.w
     }
 
-    /// Whether all control points, and so the part, lie beyond one side of the view's frustum.
+    /// Whether all control points, and so the sub-patch, lie beyond one side of the view's frustum.
     fn is_out_of_sight(&self) -> bool {
         let all = |beyond: fn(&DVec4) -> bool| self.points().iter().all(beyond);
         all(|p| p.x > p.w)
@@ -103,7 +103,7 @@ impl Part {
 
     /// Cells along a side, at least 1, that keep triangles within the tolerance where the picture shows them.
     ///
-    /// With H the part, L the triangles and e = H − L, both at the same (u, v), the distance on the
+    /// With H the sub-patch, L the triangles and e = H − L, both at the same (u, v), the distance on the
     /// screen is that of (e.xy − L.xy / L.w · e.w) / H.w; L.xy / L.w lies in the picture. With n
     /// cells |e| ≤ (|Huu| + 2|Huv| + |Hvv|) / 8n², and control points bound the derivatives.
     fn cells(&self, size: UVec2) -> f64 {
@@ -203,11 +203,11 @@ mod tests {
         let points: Vec<DVec4> =
             (0..5).map(|i| DVec4::new(f64::from(i), f64::from(i * i % 3), 0.5, 1.0)).collect();
         for half in [0, 1] {
-            let mut part = points.clone();
-            halve(&mut part, 5, 1, half);
+            let mut sub_patch = points.clone();
+            halve(&mut sub_patch, 5, 1, half);
             for t in [0.0, 0.3, 1.0] {
                 let whole = curve(&points, 5, 1, 0.5 * (t + half as f64));
-                assert!((curve(&part, 5, 1, t) - whole).length() < 1e-14);
+                assert!((curve(&sub_patch, 5, 1, t) - whole).length() < 1e-14);
             }
         }
         let expected = crate::bezier::de_casteljau(&points, 0.3).point;

@@ -1,21 +1,21 @@
-//! Patches in parts: halved until each part needs few cells, or is not seen.
+//! Patches in sub-patches: halved until each sub-patch needs few cells, or is not seen.
 
 use super::{MAX_CELLS, Plan, State, raise};
 use crate::tessellation::bound::{Bound, ClipNet, Need, Rounding, Screen};
 
-/// Cells a side beyond which a patch is drawn in parts. Parts have bounds of their own, and what is not
+/// Cells a side beyond which a patch is drawn in sub-patches. Sub-patches have bounds of their own, and what is not
 /// seen of them is not drawn; very small ones cost more than they save. The teapot at 0.5 px has 34,562
 /// triangles with 32 here, 27,492 with 16 and 27,158 with 12.
 const MAX_WHOLE: f64 = 16.0;
-/// A patch has at most 2⁷ parts along a side.
-const MAX_HALVINGS: u8 = 7;
-/// How often a part is halved further to tell its error.
+/// A patch has at most 2⁷ sub-patches along a side.
+const MAX_DEPTH: u8 = 7;
+/// How often a sub-patch is halved further to tell its error.
 const DEEPER: u32 = 6;
 
-/// A part of a patch while it is being halved.
+/// A sub-patch of a patch while it is being halved.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
-    halvings: [u8; 2],
+    depth: [u8; 2],
     place: [u32; 2],
     /// None if it is not seen.
     cells: Option<[u8; 2]>,
@@ -38,11 +38,11 @@ impl Plan {
             return State { drawn: true, cells, extent, ..State::default() };
         }
         self.leaves.clear();
-        self.halve(&net(), screen, rounding, Leaf { halvings: [0; 2], place: [0; 2], cells: None });
+        self.halve(&net(), screen, rounding, Leaf { depth: [0; 2], place: [0; 2], cells: None });
         State { extent, ..self.gather() }
     }
 
-    /// The cells that a part is drawn with: at most what OpenGL draws. Their error is noted.
+    /// The cells that a sub-patch is drawn with: at most what OpenGL draws. Their error is noted.
     #[inline]
     fn settle<const N: usize>(
         &mut self,
@@ -56,62 +56,62 @@ impl Plan {
         if cells != need.levels || error > screen.tolerance() {
             error = left_over(&net(), &need.bound, cells, screen, rounding, DEEPER);
             if error > screen.tolerance() {
-                raise(&mut self.figures.unmet, error);
+                raise(&mut self.stats.unmet, error);
             }
         }
-        raise(&mut self.figures.largest_bound, error);
+        raise(&mut self.stats.largest_bound, error);
         cells.map(|cells| cells as u8)
     }
 
-    /// Halves a part until it needs few cells or is not seen.
+    /// Halves a sub-patch until it needs few cells or is not seen.
     fn halve<const N: usize>(
         &mut self,
         net: &ClipNet<N>,
         screen: &Screen,
         rounding: &Rounding,
-        part: Leaf,
+        sub_patch: Leaf,
     ) {
         if net.is_outside() {
-            self.leaves.push(part);
+            self.leaves.push(sub_patch);
             return;
         }
         let need = Need::new(net.bound(screen, rounding), screen);
         let too_deep = is_too_deep(&need.bound, screen);
         let levels = need.levels;
         let may_be_halved = [0, 1].map(|axis| {
-            (levels[axis] > MAX_WHOLE || too_deep) && part.halvings[axis] < MAX_HALVINGS
+            (levels[axis] > MAX_WHOLE || too_deep) && sub_patch.depth[axis] < MAX_DEPTH
         });
         let axis = match may_be_halved {
             [false, false] => {
                 let cells = self.settle(&need, screen, rounding, || *net);
-                self.leaves.push(Leaf { cells: Some(cells), ..part });
+                self.leaves.push(Leaf { cells: Some(cells), ..sub_patch });
                 return;
             }
             // The longer one, or in turns.
             [true, true] => {
-                usize::from((levels[1], part.halvings[0]) > (levels[0], part.halvings[1]))
+                usize::from((levels[1], sub_patch.depth[0]) > (levels[0], sub_patch.depth[1]))
             }
             [along_u, _] => usize::from(!along_u),
         };
         let halves = if axis == 0 { net.halves_along_u() } else { net.halves_along_v() };
         for (i, half) in (0..).zip(&halves) {
-            let mut part = part;
-            part.halvings[axis] += 1;
-            part.place[axis] = 2 * part.place[axis] + i;
-            self.halve(half, screen, rounding, part);
+            let mut sub_patch = sub_patch;
+            sub_patch.depth[axis] += 1;
+            sub_patch.place[axis] = 2 * sub_patch.place[axis] + i;
+            self.halve(half, screen, rounding, sub_patch);
         }
     }
 
-    /// Spreads the leaves over a grid of parts that all have the size of the smallest.
+    /// Spreads the leaves over a grid of sub-patches that all have the size of the smallest.
     fn gather(&mut self) -> State {
         let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
-        let max = |axis: usize| seen().map(|leaf| leaf.halvings[axis]).max();
+        let max = |axis: usize| seen().map(|leaf| leaf.depth[axis]).max();
         let (Some(along_u), Some(along_v)) = (max(0), max(1)) else { return State::default() };
-        let halvings = [along_u, along_v];
-        let first_cell = self.new_cells(halvings);
+        let depth = [along_u, along_v];
+        let first_cell = self.new_cells(depth);
         for leaf in &self.leaves {
             let Some(cells) = leaf.cells else { continue };
-            let more = [0, 1].map(|axis| halvings[axis] - leaf.halvings[axis]);
+            let more = [0, 1].map(|axis| depth[axis] - leaf.depth[axis]);
             let cells = [0, 1].map(|axis| u32::from(cells[axis]).div_ceil(1 << more[axis]) as u8);
             for v in leaf.place[1] << more[1]..(leaf.place[1] + 1) << more[1] {
                 for u in leaf.place[0] << more[0]..(leaf.place[0] + 1) << more[0] {
@@ -120,22 +120,22 @@ impl Plan {
                 }
             }
         }
-        State { drawn: true, halvings, first_cell: first_cell as u32, ..State::default() }
+        State { drawn: true, depth, first_cell: first_cell as u32, ..State::default() }
     }
 
-    fn new_cells(&mut self, halvings: [u8; 2]) -> usize {
+    fn new_cells(&mut self, depth: [u8; 2]) -> usize {
         let first = self.cells.len();
-        self.cells.resize(first + (1 << (halvings[0] + halvings[1])), [0; 2]);
+        self.cells.resize(first + (1 << (depth[0] + depth[1])), [0; 2]);
         first
     }
 
-    /// Halves the parts of a patch along one axis; levels are halved with them.
+    /// Halves the sub-patches of a patch along one axis; levels are halved with them.
     pub(super) fn refine(&mut self, state: &mut State, axis: usize) {
         let old = *state;
-        state.halvings[axis] += 1;
-        let first = self.new_cells(state.halvings);
-        let columns = 1 << state.halvings[0];
-        for i in 0..1_usize << (state.halvings[0] + state.halvings[1]) {
+        state.depth[axis] += 1;
+        let first = self.new_cells(state.depth);
+        let columns = 1 << state.depth[0];
+        for i in 0..1_usize << (state.depth[0] + state.depth[1]) {
             let mut place = [i % columns, i / columns];
             place[axis] /= 2;
             let mut cells = self.cells_of(&old, place);
@@ -147,8 +147,8 @@ impl Plan {
     }
 }
 
-/// How far a part of so many cells can be from the surface at most. Where its bound is above the
-/// tolerance, smaller parts may tell better: much of it may be out of sight.
+/// How far a sub-patch of so many cells can be from the surface at most. Where its bound is above the
+/// tolerance, smaller sub-patches may tell better: much of it may be out of sight.
 fn left_over<const N: usize>(
     net: &ClipNet<N>,
     bound: &Bound,
@@ -158,7 +158,7 @@ fn left_over<const N: usize>(
     deeper: u32,
 ) -> f64 {
     let error = bound.error(cells, screen);
-    // Smaller parts are rounded as much, but for what they reach into the depth.
+    // Smaller sub-patches are rounded as much, but for what they reach into the depth.
     let hopeless = bound.rounding > screen.tolerance() && bound.depth_ratio <= 2.0;
     if error <= screen.tolerance() || deeper == 0 || hopeless {
         return error;
@@ -175,8 +175,8 @@ fn left_over<const N: usize>(
         .fold(0.0, f64::max)
 }
 
-/// Whether a part reaches so far into the depth that rounding would move what is seen of its near end;
-/// smaller parts help.
+/// Whether a sub-patch reaches so far into the depth that rounding would move what is seen of its near end;
+/// smaller sub-patches help.
 fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
     bound.rounding > 0.1 * screen.tolerance() && bound.depth_ratio > 2.0
 }
