@@ -16,6 +16,6 @@ cargo clippy --release -- -D warnings
 cargo clippy --release --no-default-features -- -D warnings
 cargo test --release --no-default-features --features inspect
 RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-items --features viewer
-cargo test --release --features viewer --bin freeform --test view_window --example demo
+cargo test --release --features viewer --bin freeform --test window --example demo
 # The command of the README, word for word.
 sh setup.sh tests && cargo test --release

@@ -6,7 +6,7 @@
 
 mod static_mesh;
 
-#[path = "../tests/shapes/mod.rs"]
+#[path = "../tests/math/shapes.rs"]
 mod shapes;
 mod turns;
 

@@ -3,9 +3,9 @@
 //!
 //! `cargo run --release --example mesh_convergence` prints `docs/mesh-convergence.md`.
 
-#[path = "../tests/convergence/mod.rs"]
+#[path = "../tests/math/convergence.rs"]
 mod convergence;
-#[path = "../tests/shapes/mod.rs"]
+#[path = "../tests/math/shapes.rs"]
 mod shapes;
 
 fn main() {

@@ -6,6 +6,7 @@
 //! cameras to look from; [`in_turns`] tells what drawing costs on a noisy machine.
 
 mod interleave;
+mod random;
 mod views;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
@@ -17,6 +18,7 @@ use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::scene::{Scene, Surface, Tessellation};
 
 pub use interleave::{Timing, in_turns, in_turns_by};
+pub use random::Random;
 pub use views::random_view;
 
 /// The angle between tangents whose sine is below this leaves the normal open.

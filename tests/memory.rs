@@ -3,7 +3,8 @@
 #![cfg(target_os = "linux")]
 #![allow(unsafe_code, reason = "the driver is asked which objects exist")]
 
-mod common;
+#[path = "harness/mod.rs"]
+mod harness;
 
 use std::num::NonZeroU32;
 use std::rc::Rc;
@@ -14,7 +15,7 @@ use freeform_surface::{
 use glam::dvec2;
 use glow::HasContext as _;
 
-use common::{Checked, backends};
+use harness::{Checked, backends};
 
 /// Resident memory of the process in bytes.
 fn resident() -> u64 {

@@ -2,7 +2,8 @@
 //! test alone in its process, because it counts what the whole process allocates.
 #![allow(unsafe_code, reason = "allocations and OpenGL's uploads are counted on their way")]
 
-mod common;
+#[path = "harness/mod.rs"]
+mod harness;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ffi::{CString, c_void};
@@ -15,7 +16,7 @@ use freeform_surface::{
 };
 use glam::{DMat4, DVec2, DVec4, dvec2, dvec3};
 
-use common::{Checked, backends, load, root};
+use harness::{Checked, backends, load, root};
 
 static ALLOCATIONS: AtomicUsize = AtomicUsize::new(0);
 

@@ -34,12 +34,22 @@ impl Offscreen {
     /// # Errors
     /// As [`Framebuffer::new`].
     pub fn in_context(context: Headless, width: u32, height: u32) -> Result<Self> {
-        Ok(Self {
-            target: Framebuffer::new(context.gl(), width, height)?,
-            samples: Samples::default(),
-            renderer: Renderer::new(context.gl())?,
-            context,
-        })
+        let renderer = Renderer::new(context.gl())?;
+        Self::with_renderer(context, renderer, width, height)
+    }
+
+    /// The same with a renderer of that context.
+    ///
+    /// # Errors
+    /// As [`Framebuffer::new`].
+    pub fn with_renderer(
+        context: Headless,
+        renderer: Renderer,
+        width: u32,
+        height: u32,
+    ) -> Result<Self> {
+        let target = Framebuffer::new(context.gl(), width, height)?;
+        Ok(Self { target, samples: Samples::default(), renderer, context })
     }
 
     /// The picture of a scene, from its camera and as its settings ask for, and what was drawn.

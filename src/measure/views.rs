@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::random::Random;
 use crate::bezier::bounding_box;
 use crate::camera::{Camera, Lens};
 use crate::scene::{Scene, Surface};
@@ -68,34 +69,7 @@ pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera 
     Camera::new(eye, target, up, lens).unwrap_or_else(|_| scene.framed(aspect))
 }
 
-/// SplitMix64.
-struct Random(u64);
-
 impl Random {
-    const fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// 0 … 1, without 1.
-    const fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    const fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// A unit vector, evenly over the sphere.
-    fn direction(&mut self) -> DVec3 {
-        let z = self.between(-1.0, 1.0);
-        let turn = self.between(0.0, std::f64::consts::TAU);
-        let radius = (1.0 - z * z).sqrt();
-        DVec3::new(radius * turn.cos(), radius * turn.sin(), z)
-    }
-
     /// A point of the scene in world space, and the unit normal there if there is one.
     fn surface_point(&mut self, scene: &Scene) -> (DVec3, Option<DVec3>) {
         let counts = scene.surfaces.iter().map(|surface| surface.patches().len());
@@ -213,12 +187,5 @@ mod tests {
                 assert!(seen.view.is_finite() && seen.projection.is_finite(), "{index}");
             }
         }
-    }
-
-    #[test]
-    fn the_generator_is_splitmix64() {
-        let mut random = Random(1_234_567);
-        let expected = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973];
-        assert_eq!([random.next(), random.next()], expected);
     }
 }

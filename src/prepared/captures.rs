@@ -26,8 +26,8 @@ impl PreparedScene {
         Ok(target.aovs())
     }
 
-    /// The corners of all triangles that a frame of the exact method draws, three for each, for a
-    /// viewport like the present one. Trims cut none of them; triangles without area are among them.
+    /// The corners of all triangles that a frame of the exact method draws, three for each. Trims cut none of
+    /// them; triangles without area are among them. A framebuffer must be bound; it stays as it is.
     ///
     /// # Errors
     /// As [`PreparedScene::draw`].

@@ -1,5 +1,5 @@
 //! The thesis' trimming by Newton's method, in `f64`: the twin of `glsl/thesis/trim.glsl`, step by
-//! step. Keep both in step; `tests/figures.rs` compares their pictures.
+//! step. Keep both in step; `tests/gpu/figures.rs` compares their pictures.
 //!
 //! It has the limits of its model on purpose. A loop is an upper and a lower curve, both given from
 //! its left end to its right end; the two ends lie on one row (figure 28 shows what happens when

@@ -140,7 +140,8 @@ fn frame_of(state: &State) -> Frame {
 mod tests {
     use super::*;
     use crate::view::action::Action;
-    use crate::view::state::tests::{Chance, event_by_chance};
+    use crate::view::state::tests::random_event;
+    use freeform_surface::inspect::measure::Random;
     use freeform_surface::{Backend, Headless};
 
     #[test]
@@ -183,14 +184,14 @@ mod tests {
     /// Events by chance end in drawings without an error of the driver; and what is saved then is drawn
     /// the same, pixel for pixel.
     #[test]
-    fn after_events_by_chance_the_saved_scene_is_what_is_shown() {
+    fn after_random_events_the_saved_scene_is_what_is_shown() {
         let context = Headless::new(Backend::Auto).unwrap();
         let mut screen = Screen::new(context.gl()).unwrap();
         let mut state = State::new(Scene::listing16(), None);
-        let mut chance = Chance(2);
+        let mut random = Random(2);
         let mut drawn = 0;
         for number in 0..2_000 {
-            event_by_chance(&mut state, &mut chance);
+            random_event(&mut state, &mut random);
             if number % 25 > 0 {
                 continue;
             }

@@ -1,5 +1,6 @@
 //! What actions and the mouse make of a scene, without a window.
 
+use freeform_surface::inspect::measure::Random;
 use freeform_surface::{Keep, Shading};
 use glam::Vec3Swizzles as _;
 
@@ -288,53 +289,40 @@ fn a_file_that_changes_keeps_the_camera() {
     assert_eq!(state.scene.surfaces[0].shading, Shading::Normals);
 }
 
-/// Numbers by chance, the same for the same seed: SplitMix64.
-pub(crate) struct Chance(pub(crate) u64);
-
-impl Chance {
-    pub(crate) fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut bits = self.0;
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((bits ^ (bits >> 31)) % end as u64) as usize
-    }
-}
-
 /// Any event, as hands and window systems send them.
-pub(crate) fn event_by_chance(state: &mut State, chance: &mut Chance) {
+pub(crate) fn random_event(state: &mut State, random: &mut Random) {
     let actions: Vec<Action> =
         BINDINGS.iter().flat_map(Binding::keys_and_actions).map(|(_, action)| *action).collect();
-    let place = dvec2(chance.below(1400) as f64 - 200.0, chance.below(900) as f64 - 150.0);
-    match chance.below(10) {
+    let place = dvec2(random.below(1400) as f64 - 200.0, random.below(900) as f64 - 150.0);
+    match random.below(10) {
         0..=3 => {
             state.note_press();
-            state.apply(actions[chance.below(actions.len())]);
+            state.apply(actions[random.below(actions.len())]);
         }
-        4..=6 => drop(state.move_to(place, chance.below(4) > 0)),
+        4..=6 => drop(state.move_to(place, random.below(4) > 0)),
         7 => {
-            let button = [Button::Left, Button::Middle, Button::Right][chance.below(3)];
-            state.press_button(button, chance.below(3) == 0);
+            let button = [Button::Left, Button::Middle, Button::Right][random.below(3)];
+            state.press_button(button, random.below(3) == 0);
         }
-        8 => state.release_button([Button::Left, Button::Middle, Button::Right][chance.below(3)]),
-        _ => match chance.below(5) {
-            0 => state.resize(chance.below(1000) as u32, chance.below(600) as u32),
-            1 => state.turn_wheel([1.0, -1.0, 1e300, -0.01][chance.below(4)]),
+        8 => state.release_button([Button::Left, Button::Middle, Button::Right][random.below(3)]),
+        _ => match random.below(5) {
+            0 => state.resize(random.below(1000) as u32, random.below(600) as u32),
+            1 => state.turn_wheel([1.0, -1.0, 1e300, -0.01][random.below(4)]),
             2 => state.advance(0.05),
             3 => drop(state.leave()),
-            _ if chance.below(40) == 0 => state.open(Scene::listing16(), None),
-            _ if chance.below(40) == 0 => state.open(mesh(), None),
+            _ if random.below(40) == 0 => state.open(Scene::listing16(), None),
+            _ if random.below(40) == 0 => state.open(mesh(), None),
             _ => state.selected = 0,
         },
     }
 }
 
 #[test]
-fn ten_thousand_events_by_chance_leave_a_scene_that_can_be_drawn() {
+fn ten_thousand_random_events_leave_a_scene_that_can_be_drawn() {
     let mut state = state();
-    let mut chance = Chance(1);
+    let mut random = Random(1);
     for number in 0..10_000 {
-        event_by_chance(&mut state, &mut chance);
+        random_event(&mut state, &mut random);
         let seen = state.projection();
         assert!(seen.view.is_finite() && seen.projection.is_finite(), "event {number}");
         let surfaces = &state.scene.surfaces;

@@ -1,0 +1,26 @@
+//! What OpenGL draws, against references in `f64`: by EGL, and by OSMesa where there is one.
+
+#[path = "../harness/mod.rs"]
+mod harness;
+
+mod comparison;
+mod contexts;
+mod depth;
+mod drivers;
+mod figures;
+mod light;
+mod mesh_colors;
+mod mesh_errors;
+mod mesh_stability;
+mod mesh_triangles;
+mod obj_files;
+mod program_interface;
+#[cfg(feature = "svg")]
+mod scene_text;
+mod surface;
+mod tessellation;
+mod tessellation_errors;
+mod tessellation_stability;
+mod trim_stability;
+#[cfg(feature = "svg")]
+mod trims;

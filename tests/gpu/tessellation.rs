@@ -1,0 +1,594 @@
+//! Patches in triangles: neighbours meet, no more triangles than it takes, draws that the driver can
+//! number, and nothing drawn that is not seen.
+
+use std::collections::{BTreeSet, HashMap};
+
+use freeform_surface::inspect::DrawnVertex;
+use freeform_surface::inspect::measure::Random;
+use freeform_surface::inspect::measure::random_view;
+use freeform_surface::{Camera, Circle, Cull, Degree, Frame, Image, Lens, Patch, Scene, Surface};
+use glam::{DMat4, DVec2, DVec3, DVec4, dvec2, dvec3, uvec2};
+
+use crate::harness::Stage;
+use crate::harness::patches::{at_level, count_drawn, field, is_long, scene_of, turned, within};
+use crate::harness::{assert_same, load, root};
+
+fn teapot() -> Scene {
+    let scene = load(&root().join("resources/surfaces/teapot.bpt"));
+    Scene { settings: within(0.5), ..scene }
+}
+
+/// A patch's side, numbered u = 0, v = 0, u = 1, v = 1.
+type Side = usize;
+
+/// Whether a place in the domain is on a side.
+fn is_on(side: Side, uv: [f32; 2]) -> bool {
+    uv[side % 2] == (side / 2) as f32
+}
+
+/// The control points of a side, from its lower end.
+fn control_points_of(side: Side, degree: Degree, points: &[DVec4]) -> Vec<DVec4> {
+    let n = degree.side();
+    let last = (side / 2) * (n - 1);
+    let place = |i: usize| if side.is_multiple_of(2) { i * n + last } else { last * n + i };
+    (0..n).map(|i| points[place(i)]).collect()
+}
+
+/// By how much the weights of `a` are those of `b`, if the two are one curve in either direction and
+/// this is a power of two, which scales without rounding.
+fn ratio_of_one_curve(a: &[DVec4], b: &[DVec4]) -> Option<f64> {
+    let ratio_along = |b: &mut dyn Iterator<Item = &DVec4>| {
+        let pairs: Vec<_> = a.iter().zip(b).collect();
+        let ratio = a[0].w / pairs[0].1.w;
+        let same = pairs.iter().all(|(a, b)| a.truncate() == b.truncate() && a.w == ratio * b.w);
+        (same && ratio.log2().fract() == 0.0).then_some(ratio)
+    };
+    ratio_along(&mut b.iter()).or_else(|| ratio_along(&mut b.iter().rev()))
+}
+
+/// A point of clip space, to the last bit.
+type Bits = [u32; 4];
+/// The two ends of an edge of a triangle: places and (u, v).
+type Ends = [(Bits, [u32; 2]); 2];
+
+/// What of a side is in triangles: its vertices two by two.
+fn segments(corners: &[&[DrawnVertex; 3]], side: Side, weight: f32) -> BTreeSet<[Bits; 2]> {
+    let bits = |vertex: &DrawnVertex| vertex.clip.map(|x| (x * weight).to_bits());
+    let mut found = BTreeSet::new();
+    for triangle in corners {
+        for i in 0..3 {
+            let (a, b) = (&triangle[i], &triangle[(i + 1) % 3]);
+            let both = is_on(side, a.uv) && is_on(side, b.uv) && a.uv != b.uv;
+            if both && is_seen([a, b]) {
+                let (a, b) = (bits(a), bits(b));
+                found.insert(if a < b { [a, b] } else { [b, a] });
+            }
+        }
+    }
+    found
+}
+
+/// Whether a line is seen: reaches into the view's frustum by more than the tolerance. What lies
+/// beside one need not be drawn.
+fn is_seen(ends: [&DrawnVertex; 2]) -> bool {
+    const MIN: f64 = 1.0 - 2e-3;
+    let mut seen = [0.0_f64, 1.0];
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let [a, b] = ends.map(|end| {
+                let [w, x] = [end.clip[3], end.clip[axis]].map(f64::from);
+                MIN * w - sign * x
+            });
+            let crossing = a / (a - b);
+            match (a > 0.0, b > 0.0) {
+                (true, true) => {}
+                (true, false) => seen[1] = seen[1].min(crossing),
+                (false, true) => seen[0] = seen[0].max(crossing),
+                (false, false) => return false,
+            }
+        }
+    }
+    seen[0] < seen[1]
+}
+
+/// Triangles of each patch; those without area left out.
+fn by_patch(drawn: &[DrawnVertex]) -> HashMap<u32, Vec<&[DrawnVertex; 3]>> {
+    let mut patches: HashMap<u32, Vec<&[DrawnVertex; 3]>> = HashMap::new();
+    for triangle in drawn.as_chunks::<3>().0 {
+        let [a, b, c] = triangle.each_ref().map(|vertex| vertex.uv);
+        if a != b && b != c && c != a {
+            patches.entry(triangle[0].patch).or_default().push(triangle);
+        }
+    }
+    patches
+}
+
+/// What of the scene's patches is compared.
+#[derive(Default)]
+struct Met {
+    /// Pairs of sides that have something seen.
+    pairs: usize,
+    /// Segments of sides.
+    segments: usize,
+}
+
+/// Fails unless neighbours have the same vertices on the sides that they share.
+fn check_neighbours(name: &str, scene: &Scene, drawn: &[DrawnVertex]) -> Met {
+    let patches = by_patch(drawn);
+    let mut sides: Vec<(usize, Side, Vec<DVec4>)> = Vec::new();
+    let all = scene.surfaces.iter().flat_map(Surface::patches);
+    let mut met = Met::default();
+    for (number, patch) in all.enumerate() {
+        for side in 0..4 {
+            let points = control_points_of(side, patch.degree(), patch.points());
+            for (other, other_side, others) in &sides {
+                let Some(ratio) = ratio_of_one_curve(&points, others) else { continue };
+                let of = |patch: usize, side: Side, weight: f32| {
+                    patches
+                        .get(&(patch as u32))
+                        .map_or_else(BTreeSet::new, |corners| segments(corners, side, weight))
+                };
+                let (a, b) = (of(number, side, 1.0), of(*other, *other_side, ratio as f32));
+                assert!(
+                    a == b,
+                    "{name}: side {side} of patch {number} has {} segments, side {other_side} of \
+                     patch {other} has {}, of them {} alike",
+                    a.len(),
+                    b.len(),
+                    a.intersection(&b).count()
+                );
+                met.pairs += usize::from(!a.is_empty());
+                met.segments += a.len();
+            }
+            sides.push((number, side, points));
+        }
+    }
+    met
+}
+
+/// Fails unless every edge within a patch belongs to two triangles, so that its parts meet.
+fn check_insides(name: &str, drawn: &[DrawnVertex]) {
+    for (number, triangles) in by_patch(drawn) {
+        let mut edges: HashMap<Ends, (usize, bool)> = HashMap::new();
+        for triangle in triangles {
+            for i in 0..3 {
+                let ends = [&triangle[i], &triangle[(i + 1) % 3]];
+                let at_border = (0..4).any(|side| ends.iter().all(|end| is_on(side, end.uv)));
+                let mut key =
+                    ends.map(|end| (end.clip.map(f32::to_bits), end.uv.map(f32::to_bits)));
+                key.sort_unstable();
+                let edge = edges.entry(key).or_insert((0, at_border || !is_seen(ends)));
+                edge.0 += 1;
+            }
+        }
+        for (ends, (count, free)) in edges {
+            let uv = ends.map(|(_, uv)| uv.map(f32::from_bits));
+            assert!(free || count == 2, "{name}: patch {number}, {uv:?} in {count} triangles");
+        }
+    }
+}
+
+/// The scene's own view, and others by chance: as many of each family.
+fn views(scene: &Scene, aspect: f64, of_each: u64) -> Vec<Option<Camera>> {
+    let by_chance = (0..4 * of_each).map(|index| Some(random_view(scene, 7, index, aspect)));
+    [scene.camera].into_iter().chain(by_chance).collect()
+}
+
+#[test]
+fn patches_of_the_teapot_meet_bit_for_bit() {
+    let mut stage = Stage::new(uvec2(1920, 1080));
+    let mut scene = teapot();
+    let mut prepared = stage.prepared(&scene);
+    let mut in_parts = 0;
+    for (view, camera) in views(&scene, stage.aspect(), 4).into_iter().enumerate() {
+        scene.camera = camera;
+        let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+        let met = check_neighbours(&format!("view {view}"), &scene, &drawn);
+        check_insides(&format!("view {view}"), &drawn);
+        // From outside nothing is culled: 4 neighbours in turn, of 9 times 4 patches and 4 of the
+        // bottom, and at the poles of lid and bottom each with each.
+        assert!(camera.is_some() || (met.pairs >= 52 && met.segments > 500), "{}", met.pairs);
+        // A part has at most 65 places along u.
+        let places = |triangles: &Vec<&[DrawnVertex; 3]>| {
+            let all = triangles.iter().copied().flatten().map(|corner| corner.uv[0].to_bits());
+            all.collect::<BTreeSet<u32>>().len()
+        };
+        let max = by_patch(&drawn).values().map(places).max();
+        in_parts += usize::from(max > Some(65));
+    }
+    assert!(in_parts >= 2, "no patch was near enough to be drawn in parts");
+}
+
+#[test]
+fn all_parts_of_a_patch_are_drawn_once() {
+    let mut stage = Stage::new(uvec2(1920, 1080));
+    let mut random = Random(9);
+    for degree in [Degree::Cubic, Degree::Quartic] {
+        let [_, rough] = pair(&mut random, degree, false, 0);
+        let mut scene = scene_of(vec![Surface::new(degree, rough).unwrap()]);
+        scene.settings = within(0.02);
+        let mut prepared = stage.prepared(&scene);
+        let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+        check_insides("parts", &drawn);
+        let area = |[a, b, c]: [DVec2; 3]| 0.5 * (b - a).perp_dot(c - a).abs();
+        let triangles = drawn.as_chunks::<3>().0.iter();
+        let area: f64 = triangles
+            .map(|corners| area(corners.each_ref().map(|corner| corner.uv.map(f64::from).into())))
+            .sum();
+        assert!((area - 1.0).abs() < 1e-5, "{degree:?}: triangles cover {area} of the domain");
+        let all: BTreeSet<[u32; 2]> =
+            drawn.iter().map(|vertex| vertex.uv.map(f32::to_bits)).collect();
+        // A part has at most 64 cells a side. There are at least so many parts, in powers of two.
+        let parts = [0, 1].map(|axis| {
+            let places: BTreeSet<u32> = all.iter().map(|uv| uv[axis]).collect();
+            (places.len() - 1).div_ceil(64).next_power_of_two()
+        });
+        assert!(parts.iter().any(|parts| *parts > 1), "{degree:?}: drawn whole");
+        for i in 0..(parts[0] + 1) * (parts[1] + 1) {
+            let place = [i % (parts[0] + 1), i / (parts[0] + 1)];
+            let corner = [0, 1].map(|axis| place[axis] as f32 / parts[axis] as f32);
+            assert!(all.contains(&corner.map(f32::to_bits)), "{degree:?}: no {corner:?}");
+        }
+    }
+}
+
+/// Two patches side by side, the first nearly flat, the second rough, turned by `turn`.
+fn pair(random: &mut Random, degree: Degree, rational: bool, turn: usize) -> [Vec<DVec4>; 2] {
+    let n = degree.side();
+    let step = 1.0 / (n - 1) as f64;
+    let mut net = |x: f64, rough: f64| -> Vec<DVec4> {
+        (0..n * n)
+            .map(|i| {
+                let mut place =
+                    |cell: usize| cell as f64 * step + rough * random.between(-0.3, 0.3) * step;
+                let (x, y) = (x + place(i % n), place(i / n));
+                let weight =
+                    if rational { (rough * random.between(-1.5, 1.5)).exp2() } else { 1.0 };
+                DVec4::new(x, y, rough * random.between(-1.0, 1.0), weight)
+            })
+            .collect()
+    };
+    let (flat, mut rough) = (net(0.0, 0.02), net(1.0, 1.0));
+    for row in 0..n {
+        rough[row * n] = flat[row * n + n - 1];
+    }
+    [flat, turned(degree, &rough, turn)]
+}
+
+#[test]
+fn patches_by_chance_meet_in_every_orientation() {
+    let mut stage = Stage::new(uvec2(1000, 600));
+    let mut random = Random(1);
+    let of_each = if is_long() { 10 } else { 1 };
+    let hole = Circle::new(dvec2(0.5, 0.5), 0.45).unwrap();
+    for degree in [Degree::Cubic, Degree::Quartic] {
+        for (rational, turn) in (0..16).map(|i| (i >= 8, i % 8)) {
+            let [flat, rough] = pair(&mut random, degree, rational, turn);
+            let surface = |points: &[DVec4]| Surface::new(degree, points.to_vec()).unwrap();
+            let trimmed = |mut surface: Surface| {
+                surface.trims.circles.push(hole);
+                surface
+            };
+            let together = surface(&[flat.as_slice(), &rough].concat());
+            // The flat one twice as heavy.
+            let heavy: Vec<DVec4> = flat.iter().map(|p| p.truncate().extend(2.0 * p.w)).collect();
+            for (how, surfaces) in [
+                ("one surface", vec![together]),
+                ("two surfaces", vec![surface(&flat), surface(&rough)]),
+                ("twice as heavy", vec![surface(&heavy), surface(&rough)]),
+                ("rough one trimmed", vec![surface(&flat), trimmed(surface(&rough))]),
+                ("flat one trimmed", vec![trimmed(surface(&flat)), surface(&rough)]),
+            ] {
+                let mut scene = scene_of(surfaces);
+                let mut prepared = stage.prepared(&scene);
+                let whole = !how.ends_with("trimmed");
+                for (view, camera) in views(&scene, stage.aspect(), of_each).into_iter().enumerate()
+                {
+                    let name =
+                        format!("{degree:?} rational {rational} turn {turn} {how} view {view}");
+                    scene.camera = camera;
+                    let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+                    let met = check_neighbours(&name, &scene, &drawn);
+                    if whole {
+                        check_insides(&name, &drawn);
+                    }
+                    if view == 0 {
+                        let count = by_patch(&drawn);
+                        let [flat, rough] = [0, 1].map(|patch| count[&patch].len());
+                        assert!(met.pairs == 1 && met.segments > 4, "{name}: {}", met.segments);
+                        assert!(rough > 2 * flat, "{name}: {flat} and {rough} triangles");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn half_a_pixel_of_the_teapot_takes_45_000_triangles() {
+    let mut stage = Stage::new(uvec2(1920, 1080));
+    let scene = load(&root().join("resources/scenes/gallery/teapot.toml"));
+    let mut prepared = stage.prepared(&scene);
+    stage.picture(&mut prepared, &stage.frame(&scene));
+    let stats = prepared.stats();
+    assert_eq!((stats.patches, stats.culled, stats.unmet), (32, 0, None), "{stats:?}");
+    assert!((1_000..=45_000).contains(&stats.triangles), "{stats:?}");
+    assert!(stats.largest_bound.is_some_and(|bound| bound <= 0.5), "{stats:?}");
+    let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+    assert_eq!(drawn.len() as u64, 3 * stats.triangles);
+}
+
+/// A rough field of so many patches a side.
+fn rough_field(side: usize) -> Scene {
+    let mut random = Random(5);
+    let points_a_side = 3 * side + 1;
+    let heights: Vec<f64> = (0..points_a_side.pow(2)).map(|_| random.between(-0.4, 0.4)).collect();
+    let points = field(side, |column, row| match (column, row) {
+        // The first patch has the lowest and the highest of all.
+        (1, 1) => -0.4,
+        (2, 2) => 0.4,
+        _ => heights[row * points_a_side + column],
+    });
+    scene_of(vec![Surface::new(Degree::Cubic, points).unwrap()])
+}
+
+#[test]
+fn draws_of_many_patches_are_few_and_whole() {
+    let mut stage = Stage::new(uvec2(640, 400));
+    // 82 million triangles take most of a minute.
+    let side_at_level = if is_long() { 100 } else { 20 };
+    for (side, settings) in [(100, within(0.5)), (side_at_level, at_level(64))] {
+        let scene = Scene { settings, ..rough_field(side) };
+        let mut prepared = stage.prepared(&scene);
+        let frame = stage.frame(&scene);
+        let found = stage.measured(&scene, &mut prepared, &frame);
+        // A draw of more vertices than 16 bits can number would leave holes and draw other patches.
+        assert!(found.covered > 100_000, "{found:?}");
+        let wrong = found.crack_pixels + found.hidden_pixels + found.bad_values;
+        assert_eq!(wrong, 0, "{found:?}");
+        assert!(found.max_error_px <= 0.5, "{found:?}");
+        let stats = prepared.stats();
+        assert_eq!((stats.patches, stats.culled), (side * side, 0), "{stats:?}");
+        // A patch of n × m cells has somewhat more than n · m vertices, half as many as triangles.
+        let (draws, vertices) = (stats.draws as u64, stats.triangles / 2);
+        assert!(vertices > 300_000 && draws * 65_535 > vertices, "{stats:?}");
+        assert!(draws <= 1 + vertices / 400, "{stats:?}");
+    }
+}
+
+/// Whether a patch lies outside of one plane of the view's frustum.
+fn is_outside(points: &[DVec4], to_clip: DMat4) -> bool {
+    let clips: Vec<DVec4> = points.iter().map(|p| to_clip * p.truncate().extend(1.0)).collect();
+    (0..3).any(|axis| {
+        [-1.0, 1.0].iter().any(|sign| clips.iter().all(|clip| sign * clip[axis] > clip.w))
+    })
+}
+
+/// Whether one of 17 × 17 points of a patch is in sight.
+fn has_point_inside(points: &[DVec4], to_clip: DMat4) -> bool {
+    let patch = Patch::new(Degree::Cubic, points);
+    (0..17 * 17).any(|i| {
+        let point = patch.at(f64::from(i % 17) / 16.0, f64::from(i / 17) / 16.0).position;
+        let clip = to_clip * point.extend(1.0);
+        clip.truncate().abs().max_element() < clip.w
+    })
+}
+
+#[test]
+fn patches_out_of_sight_are_culled_and_not_missed() {
+    const SIDE: usize = 20;
+    let mut stage = Stage::new(uvec2(480, 300));
+    let whole = rough_field(SIDE);
+    let lens = Lens::Perspective { fov_y_radians: 0.7 };
+    for (eye, target, seen_alone) in [
+        // From above, level with the field and from within it, and away from it.
+        (dvec3(8.5, 11.0, 5.0), dvec3(8.6, 11.1, 0.0), 15..=40),
+        (dvec3(17.5, 3.1, 1.0), dvec3(22.0, 3.0, 0.2), 1..=20),
+        (dvec3(3.2, 18.0, 0.1), dvec3(0.0, 19.5, 0.0), 1..=25),
+        (dvec3(10.0, 10.0, 3.0), dvec3(10.0, 10.1, 5.0), 0..=0),
+    ] {
+        let camera = Camera::new(eye, target, DVec3::Z, lens).unwrap();
+        let scene = Scene { camera: Some(camera), ..whole.clone() };
+        let frame = stage.frame(&scene);
+        let to_clip = frame.camera.projection * frame.camera.view;
+        let patches = scene.surfaces[0].control_points().chunks_exact(16);
+        let seen: Vec<&[DVec4]> =
+            patches.clone().filter(|patch| !is_outside(patch, to_clip)).collect();
+        let shown = seen.iter().filter(|patch| has_point_inside(patch, to_clip)).count();
+        assert!(seen_alone.contains(&seen.len()), "{eye}: {} are seen", seen.len());
+
+        let mut prepared = stage.prepared(&scene);
+        let picture = stage.picture(&mut prepared, &frame);
+        let stats = prepared.stats();
+        assert_eq!(stats.patches, SIDE * SIDE);
+        // Of the others all parts may be out of sight.
+        let not_culled = stats.patches - stats.culled;
+        assert!((shown..=seen.len()).contains(&not_culled), "{eye}: {not_culled}, {shown}");
+        // The field's first and last patch keep its box, from whose middle coordinates are rounded.
+        let ends = [patches.clone().next(), patches.clone().last()].map(Option::unwrap);
+        let points = [&seen[..], &ends[..]].concat().concat();
+        let alone = scene_of(vec![Surface::new(Degree::Cubic, points).unwrap()]);
+        let expected = stage.picture(&mut stage.prepared(&alone), &frame);
+        assert_same("culled", &expected, &picture, &[], 0);
+        let drawn = count_drawn(&picture);
+        assert_eq!(drawn > 2_000, !seen.is_empty(), "{eye}: {drawn} pixels");
+    }
+}
+
+/// A closed box of six curved patches with Su × Sv outwards, or all of them mirrored.
+fn closed_box(inside_out: bool) -> Surface {
+    const PLACES: [f64; 4] = [-1.0, -0.4, 0.4, 1.0];
+    let mut points = Vec::new();
+    for (axis, sign) in (0..6).map(|face| (face / 2, [1.0, -1.0][face % 2])) {
+        let mut net = Vec::new();
+        for i in 0..16 {
+            let (u, v) = (PLACES[i % 4], PLACES[i / 4]);
+            let mut point = [0.0; 3];
+            point[axis] = sign;
+            point[(axis + 1) % 3] = u * sign;
+            point[(axis + 2) % 3] = v;
+            // Bulges, the same ones on both sides of an edge.
+            let [x, y, z] = point;
+            let point = dvec3(x, y, z) * (1.15 - 0.05 * (x * x + y * y + z * z));
+            net.push((point + 0.05 * dvec3(z * y, x * z, x * y)).extend(1.0));
+        }
+        points.extend(turned(Degree::Cubic, &net, if inside_out { 4 } else { 0 }));
+    }
+    Surface::new(Degree::Cubic, points).unwrap()
+}
+
+/// Pixels of which a neighbour shows nothing.
+fn at_silhouette(picture: &Image) -> Vec<bool> {
+    let empty = |x: i64, y: i64| {
+        let (Ok(x), Ok(y)) = (x.try_into(), y.try_into()) else { return true };
+        picture.get_pixel_checked(x, y).is_none_or(|pixel| pixel.0[3] == 0)
+    };
+    let places = picture.enumerate_pixels().map(|(x, y, _)| (i64::from(x), i64::from(y)));
+    places.map(|(x, y)| (0..9).any(|i| empty(x + i % 3 - 1, y + i / 3 - 1))).collect()
+}
+
+#[test]
+fn backs_of_a_closed_box_need_not_be_drawn() {
+    let mut stage = Stage::new(uvec2(300, 300));
+    let mut random = Random(11);
+    let turn = DMat4::from_axis_angle(dvec3(1.0, 2.0, 3.0).normalize(), 1.0);
+    let mirror = turn * DMat4::from_scale(dvec3(-1.0, 2.0, 0.5));
+    let moved = DMat4::from_translation(dvec3(3.0, -1.0, 0.0)) * turn;
+    for (transform, inside_out) in [
+        (DMat4::IDENTITY, false),
+        (moved, false),
+        // A mirror turns the sense of u and v around.
+        (mirror, true),
+        (DMat4::IDENTITY, true),
+        (mirror, false),
+    ] {
+        let outwards = inside_out == (transform.determinant() < 0.0);
+        let mut surface = closed_box(inside_out);
+        surface.transform = transform;
+        let mut scene = Scene { settings: at_level(16), ..scene_of(vec![surface]) };
+        let mut prepared = stage.prepared(&scene);
+        let mut culled = 0;
+        for view in 0..12 {
+            let direction = DVec3::from_array([(); 3].map(|()| random.between(-1.0, 1.0)));
+            let middle = transform.transform_point3(DVec3::ZERO);
+            let eye = middle + 6.0 * direction.normalize();
+            let lens = if view % 3 == 0 {
+                Lens::Orthographic { height: 6.0 }
+            } else {
+                Lens::Perspective { fov_y_radians: 0.9 }
+            };
+            scene.camera = Some(Camera::new(eye, middle, dvec3(0.1, 0.2, 1.0), lens).unwrap());
+            let frame = stage.frame(&scene);
+            let [all, fronts] = [Cull::None, Cull::Back].map(|cull| {
+                prepared.surfaces_mut()[0].set_cull(cull);
+                let picture = stage.picture(&mut prepared, &frame);
+                (picture, prepared.stats())
+            });
+            assert_eq!(all.1.culled, 0);
+            assert!(count_drawn(&all.0) > 10_000);
+            culled += fronts.1.culled;
+            if outwards {
+                // Where they meet at the silhouette, front and back are equally deep.
+                assert_same("backs", &all.0, &fronts.0, &at_silhouette(&all.0), 0);
+                let alpha = |picture: &Image| picture.pixels().map(|p| p.0[3]).collect::<Vec<_>>();
+                assert_eq!(alpha(&all.0), alpha(&fronts.0));
+                // Within a tolerance fronts alone may get fewer triangles than with their backs.
+                let settings = within(0.5);
+                let found = stage.measured(&scene, &mut prepared, &Frame { settings, ..frame });
+                let wrong = found.crack_pixels + found.hidden_pixels;
+                assert!(found.max_error_px <= 0.5 && wrong == 0, "{found:?}");
+                assert!(prepared.stats().culled == fronts.1.culled);
+            } else if fronts.1.culled > 0 {
+                assert_ne!(all.0, fronts.0, "fronts were left out and not missed");
+            }
+        }
+        // Of six sides one to three face away wholly.
+        assert!((12..=36).contains(&culled), "{culled} culled");
+    }
+}
+
+#[test]
+fn backs_of_rational_patches_are_drawn() {
+    let mut stage = Stage::new(uvec2(200, 200));
+    let mut scene = load(&root().join("resources/scenes/stability/tess-rational-sphere.toml"));
+    scene.settings = within(0.5);
+    scene.surfaces.iter_mut().for_each(|surface| surface.cull = Cull::Back);
+    let mut prepared = stage.prepared(&scene);
+    let picture = stage.picture(&mut prepared, &stage.frame(&scene));
+    assert!(count_drawn(&picture) > 5_000);
+    assert_eq!(prepared.stats().culled, 0);
+}
+
+#[test]
+fn a_changed_control_point_draws_as_in_a_new_scene() {
+    let mut stage = Stage::new(uvec2(480, 300));
+    let mut scene = teapot();
+    let mut prepared = stage.prepared(&scene);
+    let frame = stage.frame(&scene);
+    let mut before = stage.picture(&mut prepared, &frame);
+    // One inside of a patch of the body, one of the spout's edges: both stay in the model's box.
+    for (index, to) in [(4 * 16 + 5, dvec3(0.5, -0.5, 0.5)), (20 * 16 + 3, dvec3(0.0, 0.1, 1.0))] {
+        assert_eq!(stage.picture(&mut prepared, &frame), before, "a still frame");
+        prepared.surfaces_mut()[0].set_specific_control_point(to, index).unwrap();
+        scene.surfaces[0].set_control_point(to.extend(1.0), index).unwrap();
+        let changed = stage.picture(&mut prepared, &frame);
+        let mut fresh = stage.prepared(&scene);
+        let expected = stage.picture(&mut fresh, &frame);
+        assert_same("changed", &expected, &changed, &[], 0);
+        assert_eq!(prepared.stats(), fresh.stats());
+        assert_ne!(changed, before);
+        before = changed;
+    }
+}
+
+/// Moves a patch point by point, and fails if its picture is then further off than it says.
+fn check_moved_by(distance: f64) {
+    let mut stage = Stage::new(uvec2(480, 300));
+    let [_, rough] = pair(&mut Random(1), Degree::Cubic, false, 0);
+    let mut scene = scene_of(vec![Surface::new(Degree::Cubic, rough).unwrap()]);
+    let mut prepared = stage.prepared(&scene);
+    for i in 0..16 {
+        let to = scene.surfaces[0].control_points()[i] + DVec3::splat(distance).extend(0.0);
+        prepared.surfaces_mut()[0].set_control_point(to, i).unwrap();
+        scene.surfaces[0].set_control_point(to, i).unwrap();
+    }
+    let frame = stage.frame(&scene);
+    let found = stage.measured(&scene, &mut prepared, &frame);
+    let stats = prepared.stats();
+    assert!(found.covered > 10_000 && stats.unmet.is_none(), "{found:?} {stats:?}");
+    let wrong = found.crack_pixels + found.hidden_pixels;
+    assert!(found.max_error_px <= 0.5 && wrong == 0, "{found:?} {stats:?}");
+}
+
+#[test]
+fn control_points_moved_out_of_their_box_stay_within_tolerance() {
+    check_moved_by(10.0);
+}
+
+#[test]
+fn control_points_moved_far_away_stay_within_tolerance() {
+    check_moved_by(1e6);
+}
+
+/// Surfaces in one draw fetch their matrices, one by itself has them as uniforms: the same numbers.
+#[test]
+fn a_surface_has_the_same_triangles_alone_and_beside_another() {
+    let mut stage = Stage::new(uvec2(640, 400));
+    let mut alone = teapot();
+    alone.surfaces[0].transform =
+        DMat4::from_rotation_y(0.3) * DMat4::from_scale(DVec3::splat(0.7));
+    alone.camera = Some(alone.framed(1.6));
+    let mut both = alone.clone();
+    both.surfaces.push(alone.surfaces[0].clone());
+    both.surfaces[1].transform = DMat4::from_translation(dvec3(0.5, 9.0, 0.0));
+    let mut draw = |scene: &Scene| {
+        let mut prepared = stage.prepared(scene);
+        stage.triangles(&mut prepared, &stage.frame(scene))
+    };
+    let (mut alone, mut both) = (draw(&alone), draw(&both));
+    assert!(both.len() > alone.len() && alone.len() > 3_000, "{} {}", both.len(), alone.len());
+    both.retain(|corner| corner.patch < 32);
+    // The near and the far plane are those of all that is there.
+    alone.iter_mut().chain(&mut both).for_each(|corner| corner.clip[2] = 0.0);
+    assert_eq!(alone, both);
+}

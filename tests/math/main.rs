@@ -1,0 +1,14 @@
+//! What is computed without OpenGL: trims, meshes, files; and the imports of the source against the tables of
+//! `ARCHITECTURE.md`.
+
+mod convergence;
+mod mesh_borders;
+mod mesh_convergence;
+mod mesh_faults;
+mod meshes;
+mod obj_meshes;
+mod obj_scenes;
+mod rooms;
+mod shapes;
+#[cfg(feature = "svg")]
+mod svg;

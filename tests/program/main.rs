@@ -1,0 +1,9 @@
+//! The program `freeform` from outside: its commands, their files, exit statuses and messages.
+
+#[path = "../harness/mod.rs"]
+mod harness;
+
+mod commands;
+mod measure;
+mod report;
+mod smooth;
