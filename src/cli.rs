@@ -10,10 +10,11 @@ mod smooth;
 
 use std::path::{Path, PathBuf};
 
+use crate::io::Error;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Backend, CreaseAngle, Error, Method, Normals, Samples, Scene, Smoothing, TessLevel,
+    Alpha, Backend, CreaseAngle, Method, Normals, Samples, Scene, Smoothing, TessLevel,
     Tessellation, Tolerance,
 };
 

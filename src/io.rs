@@ -1,11 +1,12 @@
 //! What every command reads and writes: scenes, pictures, lines of text.
 
+mod error;
 pub(crate) mod input;
 pub(crate) mod output;
 
 use std::io::Write as _;
 
-use freeform_surface::Error;
+pub(crate) use error::{Error, Result};
 
 /// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
 pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {

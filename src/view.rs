@@ -36,8 +36,8 @@ mod watch;
 
 use std::path::PathBuf;
 
+use crate::io::Result;
 use clap::Args;
-use freeform_surface::Result;
 
 use crate::io::input::LoadArguments;
 use crate::io::say;
@@ -79,5 +79,5 @@ fn show(arguments: &ViewArguments) -> Result<()> {
 
 #[cfg(not(feature = "viewer"))]
 fn show(_: &ViewArguments) -> Result<()> {
-    Err(freeform_surface::Error::NotBuilt { what: "the window", feature: "viewer" })
+    Err(freeform_surface::Error::NotBuilt { what: "the window", feature: "viewer" }.into())
 }

@@ -1,6 +1,8 @@
 //! How the benches measure: in turns and by medians, because machines are noisy.
 #![allow(unreachable_pub, reason = "every bench is a crate that uses this")]
 
+use std::convert::Infallible;
+
 use freeform_surface::inspect::measure;
 
 const TURNS: usize = 15;
@@ -12,7 +14,7 @@ pub fn in_turns(frames: &mut [&mut dyn FnMut()]) -> Vec<f64> {
         .map(|frame| {
             || {
                 frame();
-                Ok(())
+                Ok::<(), Infallible>(())
             }
         })
         .collect();

@@ -4,13 +4,14 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
+use crate::io::{Error, Result};
 use freeform_surface::inspect::measure::measure;
 use freeform_surface::inspect::programs::Sources;
 use freeform_surface::inspect::reference::coverage;
 use freeform_surface::{
-    Aovs, Camera, Circle, Corner, CreaseAngle, Degree, Ellipse, Error, FloatTarget, Frame,
-    Headless, Lens, Mesh, MeshModel, Method, Normals, PreparedScene, Rect, Renderer, Result, Scene,
-    Smoothing, Surface, TessLevel, Tessellation, TrimLoop,
+    Aovs, Camera, Circle, Corner, CreaseAngle, Degree, Ellipse, FloatTarget, Frame, Headless, Lens,
+    Mesh, MeshModel, Method, Normals, PreparedScene, Rect, Renderer, Scene, Smoothing, Surface,
+    TessLevel, Tessellation, TrimLoop,
 };
 use glam::{DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 
@@ -47,7 +48,7 @@ pub(super) fn run(context: &Headless, sources: Sources) -> Result<Checked> {
     let mut renderer = Renderer::with_sources(context.gl(), sources)?;
     let of = |what: &str, found: std::result::Result<_, String>| {
         found.map_err(|wrong| {
-            Error::Context(format!("WRONG on {}: {what}: {wrong}", context.info()))
+            Error::WrongDriver(format!("WRONG on {}: {what}: {wrong}", context.info()))
         })
     };
     let mut patches_px = 0.0;
@@ -69,7 +70,7 @@ pub(super) fn run(context: &Headless, sources: Sources) -> Result<Checked> {
 fn draw(renderer: &mut Renderer, scene: &Scene) -> Result<Aovs> {
     let target = FloatTarget::for_aovs(renderer, SIZE.into())?;
     let frame = Frame::of(scene, SIZE);
-    PreparedScene::new(renderer, scene)?.aovs(renderer, &target, &frame)
+    Ok(PreparedScene::new(renderer, scene)?.aovs(renderer, &target, &frame)?)
 }
 
 /// Hills of 144 cubic patches, and behind them a rational one of degree 4, which comes first.

@@ -3,11 +3,12 @@
 use std::io::{Cursor, Write as _};
 use std::path::PathBuf;
 
+use crate::io::{Error, Result};
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     WritableImage as _,
 };
-use freeform_surface::{AovKind, Aovs, Cause, Error, Result};
+use freeform_surface::{AovKind, Aovs, Cause};
 
 use crate::io::output::{Output, replace};
 

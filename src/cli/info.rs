@@ -1,10 +1,11 @@
 //! `freeform info`: the driver, its limits, and whether it draws what it should.
 
 use super::check;
+use crate::io::Result;
 use crate::io::say;
 use freeform_surface::inspect::Need;
 use freeform_surface::inspect::programs::Sources;
-use freeform_surface::{Backend, Headless, Result};
+use freeform_surface::{Backend, Headless};
 
 /// Prints the driver that the backend gives.
 pub(super) fn print(backend: Backend) -> Result<()> {

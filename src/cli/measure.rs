@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use crate::io::{Error, Result};
 use freeform_surface::inspect::measure::{Measurement, measure, random_view};
 use freeform_surface::inspect::reference;
 use freeform_surface::{
-    Error, FloatTarget, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Result,
-    Scene, Tessellation,
+    FloatTarget, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Scene, Tessellation,
 };
 use glam::UVec2;
 use indicatif::ProgressBar;

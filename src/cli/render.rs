@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::io::{Error, Result};
 use freeform_surface::{
-    Backend, Error, FloatTarget, Frame, FrameStats, Headless, Image, Offscreen, PreparedScene,
-    Result, Scene, Tessellation,
+    Backend, FloatTarget, Frame, FrameStats, Headless, Image, Offscreen, PreparedScene, Scene,
+    Tessellation,
 };
 
 use indicatif::{ProgressBar, ProgressStyle};

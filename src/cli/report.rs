@@ -18,9 +18,10 @@ mod trimming;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::io::{Error, Result};
 use clap::ValueEnum;
 use freeform_surface::inspect::programs::Sources;
-use freeform_surface::{Backend, Cause, Error, Headless, Image, Result};
+use freeform_surface::{Backend, Cause, Headless, Image};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::ReportArguments;

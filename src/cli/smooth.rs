@@ -3,7 +3,8 @@
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
 
-use freeform_surface::{Error, Mesh, Result, Smoothing, smooth};
+use crate::io::{Error, Result};
+use freeform_surface::{Mesh, Smoothing, smooth};
 
 use super::{SmoothArguments, SmoothMethod};
 use crate::io::output::{Output, replace};

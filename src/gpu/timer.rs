@@ -37,7 +37,7 @@ impl Timer {
     ///
     /// # Errors
     /// That of `work`.
-    pub fn time(&self, work: impl FnOnce() -> Result<()>) -> Result<Duration> {
+    pub fn time<E>(&self, work: impl FnOnce() -> Result<(), E>) -> Result<Duration, E> {
         // SAFETY: the context is current (see the module); what is asked for was queried, and asking waits
         // for the answer.
         unsafe {

@@ -3,8 +3,9 @@
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
+use super::{Error, Result};
 use clap::Args;
-use freeform_surface::{Cause, CreaseAngle, Error, LoadOptions, Result, Scene, UpAxis};
+use freeform_surface::{Cause, CreaseAngle, LoadOptions, Scene, UpAxis};
 
 /// What stands for standard input on the command line.
 const STANDARD: &str = "-";
@@ -44,7 +45,7 @@ impl LoadArguments {
     pub(crate) fn load(self, path: &Path) -> Result<Scene> {
         let options = LoadOptions { crease: self.crease_degrees, up: self.up };
         if !is_standard(path) {
-            return Scene::load_with(path, &options);
+            return Ok(Scene::load_with(path, &options)?);
         }
         let name = Path::new("standard input");
         let fail = |cause: Cause| Error::file("read", name, cause);
@@ -61,7 +62,7 @@ impl LoadArguments {
         if text.trim().is_empty() {
             return Err(fail("it is empty".into()));
         }
-        Scene::from_text(&text, name, &options)
+        Ok(Scene::from_text(&text, name, &options)?)
     }
 }
 

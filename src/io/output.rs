@@ -8,7 +8,8 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use freeform_surface::{Cause, Error, Image, Result};
+use super::{Error, Result};
+use freeform_surface::{Cause, Image};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
 

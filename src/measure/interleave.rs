@@ -2,8 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use crate::error::Result;
-
 /// How long something took.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Timing {
@@ -27,10 +25,10 @@ impl Timing {
 ///
 /// # Errors
 /// The first that one of them has.
-pub fn in_turns(
+pub fn in_turns<E>(
     turns: usize,
-    things: &mut [&mut dyn FnMut() -> Result<()>],
-) -> Result<Vec<Timing>> {
+    things: &mut [&mut dyn FnMut() -> Result<(), E>],
+) -> Result<Vec<Timing>, E> {
     in_turns_by(turns, things.len(), |thing| {
         let start = Instant::now();
         things[thing]()?;
@@ -43,11 +41,11 @@ pub fn in_turns(
 ///
 /// # Errors
 /// The first that one of them has.
-pub fn in_turns_by(
+pub fn in_turns_by<E>(
     turns: usize,
     things: usize,
-    mut one: impl FnMut(usize) -> Result<Duration>,
-) -> Result<Vec<Timing>> {
+    mut one: impl FnMut(usize) -> Result<Duration, E>,
+) -> Result<Vec<Timing>, E> {
     for thing in 0..things {
         one(thing)?;
     }
@@ -75,7 +73,7 @@ mod tests {
         let order = std::cell::RefCell::new(String::new());
         let mut a = || {
             order.borrow_mut().push('a');
-            Ok(())
+            Ok::<(), ()>(())
         };
         let mut b = || {
             order.borrow_mut().push('b');

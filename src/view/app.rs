@@ -5,7 +5,8 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use freeform_surface::{Error, Result, Scene};
+use crate::io::{Error, Result};
+use freeform_surface::Scene;
 use glam::dvec2;
 use winit::application::ApplicationHandler;
 use winit::event::{ElementState, StartCause, WindowEvent};
@@ -59,7 +60,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or_default();
         let what = format!("no display ({reason}); freeform render draws without one");
-        Error::Context(what)
+        Error::Window(what)
     };
     let events = EventLoop::<Changed>::with_user_event().build().map_err(no_display)?;
     let mut app = App {
@@ -350,15 +351,16 @@ impl App {
 
     fn screenshot(&mut self) {
         let Some(shown) = &mut self.window else { return };
-        let written = shown.screen.bring_and_draw(&mut self.state).and_then(|()| {
-            let image = shown.screen.picture(&self.state)?;
-            let path = files::new_file(self.state.file().map(PathBuf::as_path), "", "png")?;
-            Output::File(path.clone()).write(&image).inspect_err(|_| {
-                // Nothing but the name was taken.
-                let _ = std::fs::remove_file(&path);
-            })?;
-            Ok(path)
-        });
+        let written =
+            shown.screen.bring_and_draw(&mut self.state).map_err(Error::from).and_then(|()| {
+                let image = shown.screen.picture(&self.state)?;
+                let path = files::new_file(self.state.file().map(PathBuf::as_path), "", "png")?;
+                Output::File(path.clone()).write(&image).inspect_err(|_| {
+                    // Nothing but the name was taken.
+                    let _ = std::fs::remove_file(&path);
+                })?;
+                Ok(path)
+            });
         if let Some(path) = self.state.report(written) {
             self.state.message = Some(Message::Done(format!("wrote {}", path.display())));
         }

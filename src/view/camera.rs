@@ -45,11 +45,11 @@ impl Mover {
         let level = right.cross(self.up).normalize_or(view.back);
         let pitch = view.back.dot(self.up).atan2(view.back.dot(level));
         let pitch = (pitch + by.y).clamp(-FRAC_PI_2, FRAC_PI_2);
-        self.style(camera, DQuat::from_axis_angle(self.up, by.x) * level, pitch)
+        self.look(camera, DQuat::from_axis_angle(self.up, by.x) * level, pitch)
     }
 
     /// The camera at its distance, in a direction that is level, and so far above it.
-    fn style(&self, camera: &Camera, level: DVec3, pitch: f64) -> Result<Camera> {
+    fn look(&self, camera: &Camera, level: DVec3, pitch: f64) -> Result<Camera> {
         let (sin, cos) = pitch.sin_cos();
         let back = level * cos + self.up * sin;
         // At the poles the picture's upper border is where the camera came from.
@@ -65,9 +65,9 @@ impl Mover {
         let right = self.up.cross(front).normalize();
         let front = right.cross(self.up);
         match side {
-            Side::Front => self.style(camera, front, 0.0),
-            Side::Right => self.style(camera, right, 0.0),
-            Side::Top => self.style(camera, front, FRAC_PI_2),
+            Side::Front => self.look(camera, front, 0.0),
+            Side::Right => self.look(camera, right, 0.0),
+            Side::Top => self.look(camera, front, FRAC_PI_2),
         }
     }
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use freeform_surface::{Error, Result};
+use crate::io::{Error, Result};
 
 /// Whether a file may be a scene, by its name.
 fn is_scene(path: &Path) -> bool {

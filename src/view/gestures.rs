@@ -59,11 +59,11 @@ impl State {
         let done = match self.pointer.gesture {
             Gesture::None => Ok(()),
             // What is in front follows the cursor.
-            Gesture::Turn => self.style(self.mover().turn(&camera, -by * PI)),
-            Gesture::Pan => self.style(camera::pan(&camera, -by)),
+            Gesture::Turn => self.look(self.mover().turn(&camera, -by * PI)),
+            Gesture::Pan => self.look(camera::pan(&camera, -by)),
             Gesture::Zoom(from) => {
                 let factor = (-by.y * DRAG_ZOOM).exp();
-                self.style(camera::zoom(&camera, factor, self.off_middle(from)))
+                self.look(camera::zoom(&camera, factor, self.off_middle(from)))
             }
             Gesture::Move(id) => {
                 let point = dragged(self.scene(), id, &self.projection(), self.size(), place);
@@ -79,7 +79,7 @@ impl State {
         let camera = self.hold_camera();
         // A broken device may send anything.
         let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
-        let looked = self.style(camera::zoom(&camera, factor, self.off_middle(self.pointer.place)));
+        let looked = self.look(camera::zoom(&camera, factor, self.off_middle(self.pointer.place)));
         self.report(looked);
         self.hover();
     }

@@ -3,7 +3,8 @@
 
 use std::num::NonZeroU32;
 
-use freeform_surface::{DebugLog, Error, Gl, Result};
+use crate::io::{Error, Result};
+use freeform_surface::{DebugLog, Gl};
 use glow::HasContext as _;
 use glutin::config::{Config, ConfigTemplateBuilder};
 use glutin::context::{
@@ -138,7 +139,7 @@ impl GlWindow {
 
 /// Why there is no window.
 fn unavailable(reason: impl std::fmt::Display) -> Error {
-    Error::Context(format!(
+    Error::Window(format!(
         "no window with OpenGL 4.5 ({reason}); freeform render draws without one"
     ))
 }

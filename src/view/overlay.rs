@@ -3,9 +3,10 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::io::{Error, Result};
 use egui::{Context, Pos2, Rect, ViewportId};
 use egui_glow::Painter;
-use freeform_surface::{Error, Gl, Result};
+use freeform_surface::Gl;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;

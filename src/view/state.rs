@@ -1,5 +1,6 @@
 //! What the window shows and what actions make of it, without a window.
 
+use std::fmt::Display;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -217,7 +218,7 @@ impl State {
     }
 
     /// Shows what went wrong, or nothing new.
-    pub(crate) fn report<T>(&mut self, result: Result<T>) -> Option<T> {
+    pub(crate) fn report<T>(&mut self, result: Result<T, impl Display>) -> Option<T> {
         result.map_err(|error| self.message = Some(Message::Error(error.to_string()))).ok()
     }
 
@@ -287,16 +288,16 @@ impl State {
             Action::Texture => self.switch_textures(),
             Action::Phong => self.switch_smoothing(Smoothing::Phong(Alpha::default())),
             Action::Pn => self.switch_smoothing(Smoothing::Pn),
-            Action::Fit => self.style(Ok(self.scene.fitted(&camera, self.aspect()))),
-            Action::LookFrom(side) => self.style(self.mover.look_from(&camera, side)),
+            Action::Fit => self.look(Ok(self.scene.fitted(&camera, self.aspect()))),
+            Action::LookFrom(side) => self.look(self.mover.look_from(&camera, side)),
             Action::Orthographic => {
                 let other = self.mover.other_lens(&camera);
-                self.style(other)
+                self.look(other)
             }
-            Action::Turn(x, y) => self.style(self.mover.turn(&camera, step(x, y) * TURN)),
-            Action::Pan(x, y) => self.style(camera::pan(&camera, step(x, y) * PAN)),
+            Action::Turn(x, y) => self.look(self.mover.turn(&camera, step(x, y) * TURN)),
+            Action::Pan(x, y) => self.look(camera::pan(&camera, step(x, y) * PAN)),
             Action::Zoom(steps) => {
-                self.style(camera::zoom(&camera, ZOOM.powi(steps.into()), DVec2::ZERO))
+                self.look(camera::zoom(&camera, ZOOM.powi(steps.into()), DVec2::ZERO))
             }
             Action::Undo | Action::Redo => {
                 self.step_history(action == Action::Undo);
@@ -319,7 +320,7 @@ impl State {
         camera
     }
 
-    pub(super) fn style(&mut self, camera: Result<Camera>) -> Result<()> {
+    pub(super) fn look(&mut self, camera: Result<Camera>) -> Result<()> {
         self.scene.camera = Some(camera?);
         self.changes.picture = true;
         Ok(())
@@ -335,7 +336,7 @@ impl State {
             let camera = self.hold_camera();
             let by = dvec2(seconds * TURNTABLE, 0.0);
             let turned = self.mover.turn(&camera, by);
-            let looked = self.style(turned);
+            let looked = self.look(turned);
             self.report(looked);
             self.hover_again();
         }

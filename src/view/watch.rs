@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use freeform_surface::{Error, Result};
+use crate::io::{Error, Result};
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher as _};
 
 /// Watches files until it is dropped.

@@ -212,14 +212,14 @@ fn the_devices_clock_runs_and_hands_errors_on() {
         let timer = Timer::new(gl).unwrap();
         let time = timer.time(|| {
             draw(&scene, &mut prepared, &mut renderer, &target);
-            Ok(())
+            Ok::<(), Error>(())
         });
         let time = time.unwrap();
         assert!(time > Duration::ZERO && time < Duration::from_secs(60), "{backend}: {time:?}");
         let wrong = || Err(Error::Context("on purpose".into()));
         assert!(timer.time(wrong).unwrap_err().to_string().contains("on purpose"));
         // It is ready for the next.
-        assert!(timer.time(|| Ok(())).unwrap() < Duration::from_secs(60));
+        assert!(timer.time(|| Ok::<(), Error>(())).unwrap() < Duration::from_secs(60));
     }
 }
 

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use crate::io::{Error, Result};
 use freeform_surface::inspect::Timer;
 use freeform_surface::inspect::measure::{
     Measurement, Timing, in_turns_by, measure, measure_drawn,
@@ -11,8 +12,8 @@ use freeform_surface::inspect::programs::Sources;
 use freeform_surface::inspect::{DrawnVertex, reference};
 use freeform_surface::inspect::{StaticMesh, StaticStyle};
 use freeform_surface::{
-    Aovs, Error, FloatTarget, Frame, FrameStats, Framebuffer, Gl, Headless, Image, PreparedScene,
-    Renderer, Result, Scene, Trims,
+    Aovs, FloatTarget, Frame, FrameStats, Framebuffer, Gl, Headless, Image, PreparedScene,
+    Renderer, Scene, Trims,
 };
 use glam::{DMat4, DVec2, UVec2};
 use indicatif::ProgressBar;
@@ -125,7 +126,7 @@ impl Bench {
     }
 
     pub(super) fn scene(&self, name: &str) -> Result<Scene> {
-        Scene::load(&self.path(name))
+        Ok(Scene::load(&self.path(name))?)
     }
 
     /// The command that measures a section again.
@@ -152,7 +153,7 @@ impl Bench {
         }
         self.time_frames(scenes.len(), |renderer, number| {
             let (prepared, camera) = &mut prepared[number];
-            prepared.draw(renderer, &camera.next()).map(drop)
+            Ok(prepared.draw(renderer, &camera.next()).map(drop)?)
         })
     }
 
@@ -181,7 +182,7 @@ impl Bench {
                 let start = Instant::now();
                 draw(renderer, number)?;
                 told = start.elapsed();
-                Ok(())
+                Result::<()>::Ok(())
             })?;
             Ok(told.max(drawn))
         })
@@ -198,7 +199,7 @@ impl Bench {
     /// The same through shaders that cut nothing.
     fn uncut(&mut self, scene: &Scene) -> Result<Aovs> {
         let frame = self.frame(scene);
-        self.prepare(scene)?.aovs(&mut self.uncut, &self.numbers, &frame)
+        Ok(self.prepare(scene)?.aovs(&mut self.uncut, &self.numbers, &frame)?)
     }
 
     /// How far what is drawn of a scene is from its surfaces, and what was drawn.
@@ -252,7 +253,7 @@ impl Bench {
 
     /// A scene in the driver's memory.
     pub(super) fn prepare(&self, scene: &Scene) -> Result<PreparedScene> {
-        PreparedScene::new(&self.renderer, scene)
+        Ok(PreparedScene::new(&self.renderer, scene)?)
     }
 
     /// How far static triangles are from the surfaces of the scene that they stand for.
@@ -271,7 +272,7 @@ impl Bench {
     pub(super) fn triangles(&mut self, scene: &Scene) -> Result<Vec<DrawnVertex>> {
         self.picture.bind();
         let frame = self.frame(scene);
-        self.prepare(scene)?.triangles(&mut self.renderer, &frame)
+        Ok(self.prepare(scene)?.triangles(&mut self.renderer, &frame)?)
     }
 
     /// A scene's picture.

@@ -2,9 +2,10 @@
 
 use std::io::Cursor;
 
+use crate::io::{Error, Result};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
-use freeform_surface::{Error, Image, Result};
+use freeform_surface::Image;
 use image::ImageFormat;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 

@@ -4,13 +4,12 @@ mod glu;
 
 use std::collections::HashMap;
 
+use crate::io::{Error, Result};
 use freeform_surface::inspect::DrawnVertex;
 use freeform_surface::inspect::measure::Timing;
 use freeform_surface::inspect::programs::TrimFeatures;
 use freeform_surface::inspect::{StaticMesh, StaticStyle, StaticVertex};
-use freeform_surface::{
-    DebugLog, Error, Frame, Method, Result, Scene, Shading, Tessellation, Tolerance,
-};
+use freeform_surface::{DebugLog, Frame, Method, Scene, Shading, Tessellation, Tolerance};
 use glam::{DMat4, Vec3};
 
 use super::Section;
@@ -105,14 +104,14 @@ fn rows(
     let timings = bench.time_frames(cameras.len(), |renderer, way| {
         let frame = &cameras[way].next();
         if way == 0 {
-            return prepared.draw(renderer, frame).map(drop);
+            return Ok(prepared.draw(renderer, frame).map(drop)?);
         }
         renderer.clear(background);
         match peer.as_deref_mut().filter(|_| way == 2) {
-            None => renderer.draw_static(&still, &style, frame),
+            None => Ok(renderer.draw_static(&still, &style, frame)?),
             Some(peer) => {
                 fill(&mut streamed, peer, &gl, frame, size, tolerance)?;
-                renderer.draw_static(&streamed, &style, frame)
+                Ok(renderer.draw_static(&streamed, &style, frame)?)
             }
         }
     })?;
@@ -150,7 +149,7 @@ fn fill(
         DebugLog::unheard(gl, move || glu.tessellate(patches, &frame.camera, size, tolerance));
     let made =
         made.map_err(|reason| Error::Driver { what: "libGLU's triangles".into(), reason })?;
-    mesh.replace(&made.vertices, &made.indices)
+    Ok(mesh.replace(&made.vertices, &made.indices)?)
 }
 
 /// The triangles that a frame draws, each corner of a patch once.

@@ -1,6 +1,6 @@
 //! Plots as SVG, their axes logarithmic.
 
-use freeform_surface::{Error, Result};
+use crate::io::{Error, Result};
 use plotters::prelude::*;
 
 /// Points that belong together.

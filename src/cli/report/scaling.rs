@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 use std::time::Instant;
 
+use crate::io::Result;
 use freeform_surface::inspect::HalfedgeMesh;
 use freeform_surface::inspect::measure::{Timing, in_turns_by};
 use freeform_surface::{
-    Corner, CreaseAngle, Degree, Mesh, Result, Scene, Segment, Smoothing, Surface, TrimLoop,
+    Corner, CreaseAngle, Degree, Mesh, Scene, Segment, Smoothing, Surface, TrimLoop,
 };
 use glam::{DVec3, DVec4, dvec2, dvec3};
 
@@ -107,7 +108,8 @@ fn of_segments(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
         let radius = 0.3 + 0.05 * (12.0 * angle).sin();
         dvec2(0.5 + radius * angle.cos(), 0.5 + radius * angle.sin())
     };
-    let segments = (0..count).map(|i| Segment::new(&[at(i), at(i + 1)])).collect::<Result<_>>()?;
+    let segments =
+        (0..count).map(|i| Segment::new(&[at(i), at(i + 1)])).collect::<Result<_, _>>()?;
     let trims = &mut scene.surfaces[0].trims;
     trims.circles.clear();
     trims.add_loop(TrimLoop::new(segments)?)?;
@@ -125,7 +127,7 @@ fn of_triangles(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
         let stepped = HalfedgeMesh::new(mesh).tessellate(Smoothing::Pn)?;
         let time = start.elapsed();
         drop(stepped);
-        Ok(time)
+        Result::<_>::Ok(time)
     })?[0];
     let row = Row::new("scaling", "mesh triangles", "pn");
     Ok((timing, Row { triangles: Some(triangles as u64), ..row }))
@@ -149,7 +151,7 @@ fn torus(side: usize) -> Result<Mesh> {
         let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
         [[a, b, c], [a, c, d]]
     });
-    Mesh::new(positions, Vec::new(), Vec::new(), triangles.collect(), CreaseAngle::NONE)
+    Ok(Mesh::new(positions, Vec::new(), Vec::new(), triangles.collect(), CreaseAngle::NONE)?)
 }
 
 #[cfg(test)]

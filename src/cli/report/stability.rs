@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::io::Result;
 use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::inspect::measure::Measurement;
-use freeform_surface::{AovKind, Method, Result, Scene};
+use freeform_surface::{AovKind, Method, Scene};
 
 use super::bench::{Bench, Wrong};
 use super::row::{Row, name};
@@ -104,7 +105,7 @@ const QUICK: [&str; 7] = [
 /// The scenes of the folder by name, but those that are there to be refused.
 fn cases(bench: &Bench) -> Result<Vec<(String, PathBuf)>> {
     let folder = bench.path("scenes/stability");
-    let fail = |error: std::io::Error| freeform_surface::Error::file("read", folder.clone(), error);
+    let fail = |error: std::io::Error| crate::io::Error::file("read", folder.clone(), error);
     let mut cases = Vec::new();
     for entry in std::fs::read_dir(&folder).map_err(fail)? {
         let path = entry.map_err(fail)?.path();

@@ -1,6 +1,7 @@
 //! Section 1: speed against error of both methods, by levels and by tolerance.
 
-use freeform_surface::{Method, Result, Scene, TessLevel, Tessellation, Tolerance};
+use crate::io::Result;
+use freeform_surface::{Method, Scene, TessLevel, Tessellation, Tolerance};
 
 use super::Section;
 use super::bench::Bench;

@@ -1,9 +1,10 @@
 //! Section 3: smoothed meshes against the sphere and the torus that they stand for.
 
+use crate::io::Result;
 use freeform_surface::inspect::DrawnVertex;
 use freeform_surface::inspect::measure::in_turns;
 use freeform_surface::{
-    Alpha, CreaseAngle, Mesh, MeshModel, Result, Scene, Smoothing, TessLevel, Tessellation, smooth,
+    Alpha, CreaseAngle, Mesh, MeshModel, Scene, Smoothing, TessLevel, Tessellation, smooth,
 };
 use glam::{DMat4, DVec3};
 

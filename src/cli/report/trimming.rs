@@ -1,6 +1,7 @@
 //! Section 2: what trims decide wrongly and cost, and the thesis' claims about Newton's method.
 
-use freeform_surface::{Method, Newton, Result, Scene};
+use crate::io::Result;
+use freeform_surface::{Method, Newton, Scene};
 
 use super::bench::{Bench, difference};
 use super::plot::{Line, plot};

@@ -1,0 +1,76 @@
+//! The errors of the program.
+
+use std::path::PathBuf;
+
+use freeform_surface::Cause;
+
+/// Everything that the program gives up for, in one line each that says what, where and what was expected.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Error {
+    /// What the library says of a scene or of drawing it.
+    #[error(transparent)]
+    Library(#[from] freeform_surface::Error),
+
+    /// A word of the command line, or a value typed or dragged in the window.
+    #[error("{name} is {value}; expected {expected}")]
+    Input {
+        /// What was given, in the words of the command line or the window.
+        name: String,
+        /// The value as given.
+        value: String,
+        /// The range or form that is accepted.
+        expected: String,
+    },
+
+    /// A file, folder or stream that cannot be read, made or written.
+    #[error("cannot {action} {}: {source}", place.display())]
+    File {
+        /// `"read"`, `"write"`, …
+        action: &'static str,
+        /// The file, or what stands for it.
+        place: PathBuf,
+        /// The error of the operating system, of an encoder, or a text.
+        source: Cause,
+    },
+
+    /// The driver complained while it made something.
+    #[error("the driver could not create {what}: {reason}")]
+    Driver {
+        /// What it made.
+        what: String,
+        /// Its complaints.
+        reason: String,
+    },
+
+    /// The driver draws wrongly; the text says which driver and what.
+    #[error("{0}")]
+    WrongDriver(String),
+
+    /// No window with an OpenGL context.
+    #[cfg(feature = "viewer")]
+    #[error("{0}")]
+    Window(String),
+}
+
+/// Result with the program's [`enum@Error`].
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;
+
+impl Error {
+    /// An [`Error::Input`] from anything that prints.
+    pub(crate) fn invalid(
+        name: impl Into<String>,
+        value: impl std::fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Input { name: name.into(), value: value.to_string(), expected: expected.into() }
+    }
+
+    /// An [`Error::File`] from the error of a crate, or from a text.
+    pub(crate) fn file(
+        action: &'static str,
+        place: impl Into<PathBuf>,
+        source: impl Into<Cause>,
+    ) -> Self {
+        Self::File { action, place: place.into(), source: source.into() }
+    }
+}
