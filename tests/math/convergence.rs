@@ -114,24 +114,22 @@ fn of_curved(surface: &dyn CurvedTriangle, level: u32, distance: fn(DVec3) -> f6
 const HEAD: &str = "\
 # How near smoothed meshes come
 
-Distances from the surface that the corners and normals of a mesh are taken from, the largest over
-all points of the triangles, and in brackets how many times nearer that is than the flat triangles
-of the mesh. `cargo run --release --example mesh_convergence` makes this page, and
-`tests/math/mesh_convergence.rs` holds it to what follows. The papers claim looks and no rates, so these
-were derived for an edge of a sphere, whose normals make the angle 2θ:
+Meshes are sampled from a known surface. The tables have the largest distance of any point of the smoothed
+triangles from that surface, and in brackets by which factor it is smaller than that of the flat triangles. `cargo run --release --example mesh_convergence` makes this page, and
+`tests/math/mesh_convergence.rs` holds it to what follows. The papers do not state
+rates of convergence, so these were derived for an edge of a sphere whose normals enclose the angle 2θ:
 
-- The flat edge is 1 − cos θ ≈ θ²/2 off. Half the edges: a fourth of the distance.
+- The flat edge is 1 − cos θ ≈ θ²/2 off. Edges half as long give a fourth of the distance.
 - Phong tessellation raises its middle by α·sin²θ·cos θ ≈ αθ², so it is |1 − 2α|·θ²/2 off: at α = ¾
   half of what the flat edge is, on the outer side, at any fineness. That α looks best on coarse
   meshes, whose triangles lie deeper than their edges.
-- Curved PN triangles raise it by ½·sin²θ·cos θ, as Phong tessellation does at α = ½. What is left is
-  3θ⁴/8: half the edges, a sixteenth of the distance, and 4/(3θ²) times nearer than the flat edge.
+- Curved PN triangles raise it by ½·sin²θ·cos θ, as Phong tessellation does at α = ½. The rest is
+  3θ⁴/8: edges half as long give a sixteenth of the distance, and it is 4/(3θ²) times smaller than the flat edge's.
 
-In the middle of triangles all are further off, at the same rates. On the torus, whose curvature
-changes, less symmetric terms remain: the last halving gains a factor of 12 instead of 16.
-Drawn in triangles at level n, the facets add what the flat triangles are off over n². Steps that are
-repeated keep the points that earlier ones found, so they do not tend to the surface but to about what
-the smooth surface over the first mesh is off.
+In the middle of triangles the distances are larger, at the same rates. On the torus, whose curvature
+varies, less symmetric terms remain: the last halving gains a factor of 12 instead of 16. A smooth triangle
+drawn at level n adds 1/n² of the flat triangle's distance. Repeated steps keep the points of earlier steps, so
+they do not converge to the surface, but to about the distance of the smooth surface over the first mesh.
 ";
 
 fn row(text: &mut String, name: &str, values: &[f64], flat: &[f64]) {
