@@ -37,7 +37,7 @@ fn within(pixels: f64) -> Tessellation {
 /// Measures something and prints it.
 type Section = fn(&Gl);
 
-/// A field of so many patches like that of listing 16, seen from above.
+/// A field of `patches` patches like that of listing 16, seen from above.
 fn field(patches: usize) -> Scene {
     let mut scene = Scene::listing16();
     let single = scene.surfaces.remove(0);

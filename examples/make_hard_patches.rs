@@ -137,7 +137,7 @@ fn far() -> Scene {
     }
 }
 
-/// The points of a plane curve, turned about the origin by so many quarters.
+/// The points of a plane curve, turned about the origin by a number of quarter turns.
 fn turned(curve: [DVec2; 4], quarters: usize) -> [DVec2; 4] {
     curve.map(|point| (0..quarters).fold(point, |point, _| point.perp()))
 }

@@ -1,10 +1,10 @@
-//! What the pixels of a picture show, as numbers instead of colours.
+//! AOVs (arbitrary output variables): for each pixel values instead of a colour.
 
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
-/// What every pixel of a picture shows, as numbers: one value at each pixel's centre, rows from the
+/// The AOVs of a picture: one value at the centre of each pixel, rows from the
 /// top. The fourth number of each is alpha: 1 where a surface is drawn, and 0 like the other three
 /// elsewhere.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,7 @@ pub struct Aovs {
 }
 
 impl Aovs {
-    /// A picture of so many pixels that shows nothing.
+    /// A picture of `size` pixels that shows nothing.
     #[must_use]
     pub fn empty(size: (u32, u32)) -> Self {
         let nothing = vec![[0.0; 4]; size.0 as usize * size.1 as usize];
@@ -35,7 +35,7 @@ impl Aovs {
         }
     }
 
-    /// The numbers of one kind.
+    /// The values of one kind.
     #[must_use]
     pub fn channel(&self, kind: AovKind) -> &[[f32; 4]] {
         match kind {

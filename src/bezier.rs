@@ -57,7 +57,7 @@ impl Degree {
         row == 0 || row == last || column == 0 || column == last
     }
 
-    /// The degree of a patch of so many control points.
+    /// The degree of a patch of `count` control points.
     ///
     /// # Errors
     /// Any count but 16 and 25.

@@ -53,8 +53,8 @@ pub struct ViewProjection {
 }
 
 impl ViewProjection {
-    /// What the distance along the view axis is multiplied by to become a depth from 0 to 1, if the clip planes of
-    /// a perspective are so far apart that this is needed; else depth is OpenGL's.
+    /// The factor that turns the distance along the view axis into a depth from 0 to 1, if the clip planes of
+    /// a perspective are far enough apart to need it; otherwise depth is OpenGL's.
     pub(crate) fn depth_scale(&self) -> Option<f64> {
         let (z, w) = (self.projection.row(2), self.projection.row(3));
         if (w.z, w.w) != (-1.0, 0.0) {
@@ -198,7 +198,7 @@ impl Camera {
         self.eye
     }
 
-    /// What stands in the middle of the picture, in world space.
+    /// The point in the middle of the picture, in world space.
     #[must_use]
     pub const fn target(&self) -> DVec3 {
         self.target

@@ -1,4 +1,4 @@
-//! The command line: what can be asked for, and who does it.
+//! The command line: its arguments, and the functions that carry them out.
 
 mod check;
 mod exr;
@@ -45,9 +45,9 @@ enum Command {
     /// Measure how far pictures of scenes are from their Bézier surfaces, pixel by pixel; meshes are
     /// left out.
     Measure(MeasureArguments),
-    /// Smooth a triangle mesh: every step makes nine triangles of each.
+    /// Smooth a triangle mesh: every step cuts each triangle into nine.
     Smooth(SmoothArguments),
-    /// Measure speed against error of both methods on this machine, and write it down as a page.
+    /// Measure speed against error of both methods on this machine, and write a page about it.
     Report(ReportArguments),
     /// Show a scene in a window and edit it.
     View(ViewArguments),
@@ -81,18 +81,18 @@ struct RenderArguments {
     #[arg(long, value_name = "METHOD", value_parser = smoothing)]
     smoothing: Option<Smoothing>,
 
-    /// Write what each pixel's centre shows as 32-bit floats: uv (u, v and the number of the patch),
+    /// Write the values at the centre of each pixel as 32-bit floats: uv (u, v and the number of the patch),
     /// position and normal (in world space), or depth (along the view axis). May be given several
     /// times; takes one scene.
     #[arg(long, value_name = "KIND=FILE.exr")]
     aov: Vec<AovFile>,
 
-    /// Samples a pixel, 1 to 256 in powers of two, instead of the scene's. More than the driver has
-    /// are drawn one after the other.
+    /// Samples per pixel, 1 to 256 in powers of two, instead of the scene's. If the driver has fewer,
+    /// they are drawn one after the other.
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<Samples>,
 
-    /// Draw lines instead of filled triangles; "--wireframe=false" where the scene wants lines.
+    /// Draw lines instead of filled triangles; "--wireframe=false" if the scene asks for lines.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     wireframe: Option<bool>,
 
@@ -104,13 +104,13 @@ struct RenderArguments {
     #[arg(long, value_name = "BACKEND", default_value_t)]
     backend: Backend,
 
-    /// Print how long each part took, and what of a mesh is left out or is a border though triangles
-    /// meet there. The frame is drawn twice to tell the driver's compilation from the drawing.
+    /// Print how long each step took, and which elements of a mesh are left out or are treated as borders.
+    /// The frame is drawn twice to separate the compilation of shaders from the drawing.
     #[arg(short, long)]
     verbose: bool,
 }
 
-/// What the exact and the thesis' method have in common; it wins over the scene.
+/// Settings of both methods; they override the scene's.
 #[derive(Debug, Args)]
 struct LookArguments {
     /// Whose trims and normals: exact (right at every sample) or thesis, instead of the scene's.
@@ -148,16 +148,16 @@ struct MeasureArguments {
     #[command(flatten)]
     style: LookArguments,
 
-    /// Measure this many views by chance instead of the scene's own: far away, inside, very near,
+    /// Measure this many random views instead of the scene's own: far away, inside, very near,
     /// grazing, in turns.
     #[arg(long, value_name = "N", default_value_t = 0)]
     views: u64,
 
-    /// Which views: the same number gives the same.
+    /// Which random views: the same number gives the same views.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
 
-    /// A line for people, or one JSON object a line.
+    /// A line of text, or one JSON object per line.
     #[arg(long, value_name = "FORMAT", default_value = "line")]
     format: Format,
 
@@ -166,12 +166,12 @@ struct MeasureArguments {
     backend: Backend,
 }
 
-/// Who reads what is measured.
+/// The format of the measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Format {
-    /// People.
+    /// A line of text.
     Line,
-    /// Programs.
+    /// One JSON object per line.
     Json,
 }
 
@@ -209,7 +209,7 @@ struct ReportArguments {
     #[arg(long)]
     quick: bool,
 
-    /// This section alone; may be given several times.
+    /// Only this section; may be given several times.
     #[arg(long, value_name = "SECTION")]
     only: Vec<Topic>,
 
@@ -232,11 +232,11 @@ struct SmoothArguments {
     #[arg(value_name = "IN.obj")]
     input: PathBuf,
 
-    /// On what surfaces the new points lie: pn (curved PN triangles) or phong (Phong tessellation).
+    /// The surfaces that the new points lie on: pn (curved PN triangles) or phong (Phong tessellation).
     #[arg(long, value_name = "METHOD")]
     method: SmoothMethod,
 
-    /// How far Phong tessellation moves points towards the tangent planes, 0 to 1; otherwise 0.75.
+    /// How far Phong tessellation moves points towards the tangent planes, 0 to 1; 0.75 by default.
     #[arg(long, value_name = "A", value_parser = alpha, allow_negative_numbers = true)]
     alpha: Option<Alpha>,
 
@@ -246,7 +246,7 @@ struct SmoothArguments {
     steps: u32,
 
     /// Where normals are missing: the angle between triangles, 0 to 180, beyond which their edge
-    /// stays a crease; otherwise 30.
+    /// stays a crease; 30 by default.
     #[arg(long, value_name = "D", value_parser = crease_angle, allow_negative_numbers = true)]
     crease_degrees: Option<CreaseAngle>,
 
@@ -255,7 +255,7 @@ struct SmoothArguments {
     output: PathBuf,
 }
 
-/// What `freeform smooth` smooths by.
+/// The methods of `freeform smooth`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum SmoothMethod {
     /// Curved PN triangles.
@@ -270,8 +270,8 @@ struct InfoArguments {
     #[arg(long, value_name = "BACKEND", default_value_t)]
     backend: Backend,
 
-    /// Draw patches, trims and a mesh whose points are known, and say in one line whether this driver
-    /// draws them right; the exit status is 1 if not.
+    /// Draw known patches, trims and a mesh, and say in one line whether this driver draws them right;
+    /// the exit status is 1 if not.
     #[arg(long)]
     check: bool,
 }
@@ -329,7 +329,7 @@ fn level(text: &str) -> Result<TessLevel, String> {
 }
 
 impl Arguments {
-    /// Whether what is usually of no concern is to be told.
+    /// Whether details are printed.
     pub(crate) fn verbose(&self) -> bool {
         matches!(&self.command, Some(Command::Render(arguments)) if arguments.verbose)
     }
@@ -352,10 +352,10 @@ impl Arguments {
     }
 }
 
-/// Does what the arguments ask for.
+/// Carries out the command of the arguments.
 ///
 /// # Errors
-/// One error for each scene that failed; the others are done all the same.
+/// One error for each scene that failed; the other scenes are still drawn.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
     match &arguments.command {
         None => default_scene().map_err(|error| vec![error]),

@@ -9,7 +9,7 @@ pub enum Error {
     /// An argument outside its range.
     #[error("{name} is {value}; expected {expected}")]
     Invalid {
-        /// What was given, in the words of the call or of the scene file.
+        /// Name of the argument, in the words of the call or of the scene file.
         name: String,
         /// The value as given.
         value: String,
@@ -24,7 +24,7 @@ pub enum Error {
         path: PathBuf,
         /// Line in the file, counted from 1.
         line: usize,
-        /// What is wrong there and what was expected.
+        /// The fault and what was expected instead.
         message: String,
     },
 

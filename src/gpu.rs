@@ -1,6 +1,6 @@
 //! OpenGL objects, each with one owner that frees it and a label that a debugger shows.
 //!
-//! Every call here needs the context that made the object to be current on the calling thread. Who hands a
+//! Every call here needs the context that made the object to be current on the calling thread. The caller who hands a
 //! context to [`Gl::new`] promises that; every object holds the handle, which stays on its thread. This room, the
 //! renderer and the headless contexts are the only places with `unsafe`.
 #![allow(unsafe_code, reason = "every call of OpenGL is unsafe in glow")]

@@ -50,7 +50,7 @@ impl FromStr for Backend {
     }
 }
 
-/// What keeps a context alive; dropping it destroys the context.
+/// Keeps a context alive; dropping it destroys the context.
 enum Owner {
     Egl(egl::Context),
     Osmesa(osmesa::Context),
@@ -166,7 +166,7 @@ impl Headless {
 
 impl Drop for Headless {
     fn drop(&mut self) {
-        // What is freed after this belongs to this context, and not to another one of the thread.
+        // Objects that are freed after this belong to this context, and not to another one of the thread.
         if let Err(error) = self.make_current() {
             log::debug!("a context is dropped without being current: {error}");
         }

@@ -1,7 +1,7 @@
 //! The insides that tests, benches and `freeform report` look at: the renderer in `f64` that pictures are judged
 //! by, what measures pictures against it, and the parts that drawing is made of.
 //!
-//! Only with the feature `inspect`. What is here may change with any version.
+//! Only with the feature `inspect`. Its content may change with any version.
 
 pub use crate::bezier::{DeCasteljau, bernstein, check_control_point, de_casteljau, homogeneous};
 pub use crate::gpu::{Buffer, Need, Program, ShaderPart, Stage, StageKind, TexelBuffer, Timer};

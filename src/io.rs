@@ -1,4 +1,4 @@
-//! What every command reads and writes: scenes, pictures, lines of text.
+//! Input and output of all commands: scenes, pictures, lines of text, errors.
 
 mod error;
 pub(crate) mod input;

@@ -59,7 +59,7 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// What two sets of pictures give together: the larger of largest errors, the mean over all
+    /// The result of two sets of pictures together: the larger of the largest errors, the mean over all
     /// covered pixels, sums of counts.
     #[must_use]
     pub fn merge(&self, other: &Self) -> Self {
@@ -85,7 +85,7 @@ impl Measurement {
 }
 
 /// Measures a picture of a scene, seen through `projection`. `reference` is the scene's
-/// [`crate::reference::coverage`] of the same size. What is drawn is where the alpha of
+/// [`crate::reference::coverage`] of the same size. Pixels are drawn where the alpha of
 /// [`Aovs::uv`] is not 0.
 ///
 /// # Panics
@@ -258,7 +258,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The angle between two vectors in degrees; 180 if there is none.
+/// The angle between two vectors in degrees; 180 if one of them has no direction.
 fn angle_deg(a: DVec3, b: DVec3) -> f64 {
     let (sine, cosine) = (a.cross(b).length(), a.dot(b));
     // Also where one of them is NaN.

@@ -1,6 +1,7 @@
 //! Triangle meshes, and smooth surfaces over them: curved PN triangles and Phong tessellation.
 //!
-//! A [`Mesh`] is plain data in `f64`. [`HalfedgeMesh`] adds who is next to whom, and cuts every triangle into nine whose new points lie on [`PnTriangle`]s or
+//! A [`Mesh`] is plain data in `f64`. [`HalfedgeMesh`] adds the neighbours, and cuts every triangle into nine
+//! whose new points lie on [`PnTriangle`]s or
 //! [`PhongTriangle`]s. Positions alone say what is connected; normals and texture coordinates may
 //! differ from corner to corner, which makes creases and seams.
 
@@ -154,7 +155,7 @@ impl Mesh {
             let expected = format!("1 to {}", Self::MAX_TRIANGLES);
             return Err(Error::invalid("number of triangles", triangles.len(), expected));
         }
-        // So that the numbers of what a step makes fit in 32 bits.
+        // So that the indices after a step fit in 32 bits.
         let longest = positions.len().max(normals.len()).max(coordinates.len());
         if longest > 3 * Self::MAX_TRIANGLES {
             let expected = format!("at most {}", 3 * Self::MAX_TRIANGLES);

@@ -84,7 +84,7 @@ impl PreparedScene {
         Ok(())
     }
 
-    /// What the last drawing drew.
+    /// Statistics of the last drawing.
     pub const fn stats(&self) -> FrameStats {
         self.stats
     }
@@ -95,7 +95,7 @@ impl PreparedScene {
     }
 
     /// Builds and uploads what a frame needs, unless that is there already. Drawing
-    /// does this by itself; call it to choose when.
+    /// does this automatically; call it to choose when.
     ///
     /// # Errors
     /// No memory, or loops that the frame's method cannot cut.

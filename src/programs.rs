@@ -116,7 +116,7 @@ pub enum Pipeline {
         degree: Degree,
         /// Samples a pixel of the target.
         samples: u32,
-        /// What the patches need of their evaluation.
+        /// How the patches are evaluated.
         patches: PatchKind,
         /// For patches of several surfaces, each with matrices of its own.
         shared: bool,
@@ -246,7 +246,7 @@ impl TrimFeatures {
     }
 }
 
-/// What a program is compiled from.
+/// Everything that distinguishes programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ProgramKey {
     /// The stages.
@@ -255,7 +255,7 @@ pub struct ProgramKey {
     pub shading: Shading,
     /// The fragment stage's trims.
     pub trims: TrimFeatures,
-    /// What becomes of what is drawn.
+    /// The output of drawing.
     pub output: Output,
     /// Where the picture is transparent there is a hole.
     pub cut_out: bool,
@@ -263,7 +263,7 @@ pub struct ProgramKey {
     pub far_depth: bool,
 }
 
-/// What becomes of what is drawn.
+/// The output of drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Output {
     /// A colour for each pixel.
@@ -275,7 +275,7 @@ pub enum Output {
     Triangles,
 }
 
-/// What is kept of the corners of triangles, in the order of `DrawnVertex`.
+/// The outputs that are captured of the corners of triangles, in the order of `DrawnVertex`.
 const KEPT: [&str; 5] = ["gl_Position", "position", "passNormal", "passTessCoord", "passPatch"];
 
 macro_rules! glsl {

@@ -28,7 +28,7 @@ use sampler::Sampler;
 pub use crate::thesis::normal::thesis_normal;
 pub use coverage::{Cover, Coverage, coverage, has_gap_near};
 
-/// What a pixel shows.
+/// The content of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Pixel {
     /// Nothing.
@@ -68,7 +68,7 @@ pub struct Fragment {
 pub struct Picture {
     /// The colours, rounded to 8 bits.
     pub image: Image,
-    /// What each pixel shows.
+    /// The content of each pixel.
     pub pixels: Vec<Pixel>,
     projection: DMat4,
 }

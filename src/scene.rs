@@ -37,7 +37,7 @@ pub use write::SceneText;
 /// A picture that is laid over the domain of a surface; its first row is v = 1.
 pub type Image = image::RgbaImage;
 
-/// What the reader of a scene decides instead of its file.
+/// Options that the caller chooses instead of the scene's file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadOptions {
     /// Where normals of meshes are missing: the angle beyond which an edge is a crease.
@@ -57,9 +57,9 @@ pub struct Scene {
     pub up: DVec3,
     /// How it is drawn.
     pub settings: RenderSettings,
-    /// What is drawn, in this order.
+    /// The surfaces, in the order of drawing.
     pub surfaces: Vec<Surface>,
-    /// What is drawn after the surfaces.
+    /// The meshes, which are drawn after the surfaces.
     pub meshes: Vec<MeshModel>,
 }
 
@@ -95,7 +95,7 @@ impl Scene {
             "toml" => document::parse(&read_text(path)?, path, options)?,
             "bpt" => Self::from_bpt(&read_text(path)?, path)?,
             "obj" => Self::of_obj(path, options)?,
-            // What is not there or no file at all is said first.
+            // A missing file, or a folder, is reported first.
             other => {
                 return Err(check_is_file(path).err().unwrap_or_else(|| {
                     let reason = format!("a scene is a .toml, .bpt or .obj file, not \"{other}\"");
@@ -185,7 +185,7 @@ impl Scene {
         }
     }
 
-    /// The matrices of a picture of so many pixels.
+    /// The matrices of the scene's camera, or of the one that frames it, for a picture of `width` × `height` pixels.
     #[must_use]
     pub fn projection(&self, width: u32, height: u32) -> ViewProjection {
         let aspect = f64::from(width) / f64::from(height);

@@ -2,7 +2,8 @@
 //!
 //! `bound.rs` tells how many triangles keep a patch within a tolerance on the screen, `edges.rs` which
 //! patches are neighbours, `sub-patches.rs` what the drivers and the trims ask for, `normal_cone.rs` where
-//! normals point to, and `plan.rs` puts it all together once a frame. `triangle.rs` bounds the smooth triangles of meshes.
+//! normals point to, and `plan.rs` puts it all together once a frame. `triangle.rs` bounds the smooth triangles of
+//! meshes.
 
 mod bound;
 mod edges;

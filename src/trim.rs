@@ -1,4 +1,4 @@
-//! What is cut out of a surface, as plain data over its (u, v) domain.
+//! Trims: the parts that are cut out of a surface, as plain data over its (u, v) domain.
 //!
 //! Circles, rectangles and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
 //! inside a loop is an island that stays. Paths are filled each by a rule of its own.
@@ -286,10 +286,10 @@ impl TrimLoop {
 /// Which side of the loops stays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Keep {
-    /// What lies outside: the loops are holes, and a loop in a hole is an island.
+    /// The outside: the loops are holes, and a loop in a hole is an island.
     #[default]
     Outside,
-    /// What lies inside: the outermost loop is the surface's border, and a loop in it a hole.
+    /// The inside: the outermost loop is the border of the surface, and a loop in it is a hole.
     Inside,
 }
 
@@ -341,7 +341,7 @@ impl Trims {
     /// Adds a loop.
     ///
     /// # Errors
-    /// More than 1,000,000 segments in all loops together, by the numbers of loop and segment; the
+    /// More than 1,000,000 segments in all loops together, with the numbers of loop and segment; the
     /// trims stay as they were.
     pub fn add_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
         self.add_loop_to(trim_loop, self.segment_count())

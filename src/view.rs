@@ -4,7 +4,7 @@
 //! window system → input → Key, Button → State → Changes → PreparedScene → picture → window
 //! ```
 //!
-//! What keys and mouse do is decided without a window (`state`, `gestures`, and the table in `action`)
+//! The effects of keys and mouse are decided without a window (`state`, `gestures`, and the table in `action`)
 //! and tested without one. The window itself is behind the feature `viewer`.
 #![cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 
@@ -42,7 +42,7 @@ use clap::Args;
 use crate::io::input::LoadArguments;
 use crate::io::say;
 
-/// What `freeform view` takes.
+/// The arguments of `freeform view`.
 #[derive(Debug, Args)]
 pub(crate) struct ViewArguments {
     /// The scene: a .toml, .bpt or .obj file; without one, a surface with bricks.

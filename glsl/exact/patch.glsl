@@ -33,7 +33,7 @@ void bernsteinSlopes(float t, float s, out float slope[SIDE])
 }
 
 // Points times weights, from both ends towards the middle.
-POINT weighed(POINT p[SIDE], float b[SIDE])
+POINT weightedSum(POINT p[SIDE], float b[SIDE])
 {
 #if SIDE == 4
     precise POINT sum = (b[0] * p[0] + b[3] * p[3]) + (b[1] * p[1] + b[2] * p[2]);
@@ -44,7 +44,7 @@ POINT weighed(POINT p[SIDE], float b[SIDE])
 }
 
 // The same of a number that all points have.
-float weighed(float all, float b[SIDE])
+float weightedSum(float all, float b[SIDE])
 {
 #if SIDE == 4
     precise float sum = (b[0] * all + b[3] * all) + (b[1] * all + b[2] * all);
@@ -71,15 +71,15 @@ void evaluate(POINT points[SIDE * SIDE], vec2 t, vec2 s, out vec4 point, out POI
             line[column] = points[row * SIDE + column];
             slope += su[column] * line[column];
         }
-        rows[row] = weighed(line, bu);
+        rows[row] = weightedSum(line, bu);
         du += bv[row] * slope;
         dv += sv[row] * rows[row];
     }
 #ifdef RATIONAL
-    point = weighed(rows, bv);
+    point = weightedSum(rows, bv);
 #else
     // The weight rounded as among others: patches of both kinds meet.
-    point = vec4(weighed(rows, bv), weighed(weighed(1.0, bu), bv));
+    point = vec4(weightedSum(rows, bv), weightedSum(weightedSum(1.0, bu), bv));
 #endif
 }
 
@@ -111,7 +111,7 @@ void bernsteinBends(float t, float s, out float bend[SIDE])
 }
 
 // The normal where tangents may vanish or be parallel: then the first term of its series along the
-// diagonal into the patch that does not vanish. Not of unit length; zero if there is none.
+// diagonal into the patch that does not vanish. Not of unit length; zero if all terms vanish.
 vec3 patchNormal(POINT points[SIDE * SIDE], vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
 {
     float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE], ru[SIDE], rv[SIDE];

@@ -1,4 +1,4 @@
-// Cuts a part of a patch into cells, and fetches its control points, once for all of its vertices. SIDE is 4
+// Cuts a sub-patch into cells, and fetches its control points, once for all of its vertices. SIDE is 4
 // or 5: control points along a side.
 
 layout(vertices = 1) out;

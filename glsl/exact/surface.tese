@@ -1,6 +1,6 @@
-// The vertices of a part: points of the patch and their normals.
+// The vertices of a sub-patch: points of the patch and their normals.
 //
-// The cells of a part are a regular grid. Where an edge has fewer levels than the grid has cells, the
+// The cells of a sub-patch are a regular grid. Where an edge has fewer levels than the grid has cells, the
 // grid's vertices move along it to the edge's places, towards the middle of the edge, as the diagonals
 // of the cells point: no triangle then reaches further than a level of the edge, and what lies on the
 // other side of the edge has the same vertices (src/tessellation/plan.rs).
@@ -22,7 +22,7 @@ patch in POINT pointsOfPatch[SIDE * SIDE];
 patch in vec2 longest;
 #endif
 
-invariant gl_Position;  // parts of a patch are drawn by two programs and must meet
+invariant gl_Position;  // sub-patches of a patch are drawn by two programs and must meet
 layout(location = 0) out vec3 passNormal;    // view space, unit length
 layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims and the texture
 layout(location = 2) out vec4 position;      // view space
@@ -37,12 +37,12 @@ layout(location = 5) flat out vec2 passLongest;
 #endif
 
 // Along one direction a vertex lies on a level of the edge that it belongs to, if any. At an end of that
-// direction there is one level alone, so that all parts that meet there divide alike.
-vec2 placeAlong(float tessCoord, float across, float cells, float low, float high, float part, float parts)
+// direction there is one level alone, so that all sub-patches that meet there divide alike.
+vec2 placeAlong(float tessCoord, float across, float cells, float low, float high, float subPatch, float subPatches)
 {
     float levels = across == 0.0 ? low : across == 1.0 ? high : cells;
     bool end = tessCoord == 0.0 || tessCoord == 1.0;
-    return along(tessCoord, end ? 1.0 : cells, end ? 1.0 : levels, part, parts);
+    return along(tessCoord, end ? 1.0 : cells, end ? 1.0 : levels, subPatch, subPatches);
 }
 
 #ifdef SHARED
@@ -62,11 +62,11 @@ void main()
 #endif
     vec4 edges = vec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
     vec2 cells = vec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
-    vec2 parts = vec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
-    vec2 part = vec2(placeOfPatch.w & 0xffffu, placeOfPatch.w >> 16);
+    vec2 subPatches = vec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
+    vec2 subPatch = vec2(placeOfPatch.w & 0xffffu, placeOfPatch.w >> 16);
     vec2 at = gl_TessCoord.xy;
-    vec2 u = placeAlong(at.x, at.y, cells.x, edges.y, edges.w, part.x, parts.x);
-    vec2 v = placeAlong(at.y, at.x, cells.y, edges.x, edges.z, part.y, parts.y);
+    vec2 u = placeAlong(at.x, at.y, cells.x, edges.y, edges.w, subPatch.x, subPatches.x);
+    vec2 v = placeAlong(at.y, at.x, cells.y, edges.x, edges.z, subPatch.y, subPatches.y);
     vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
 
     vec4 point;

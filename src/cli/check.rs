@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 /// Pixels of the pictures.
 const SIZE: UVec2 = UVec2::new(192, 144);
 
-/// What was found of a driver that is right.
+/// Results for a driver that draws right.
 #[derive(Debug)]
 pub(super) struct Checked {
     /// The largest distance of a patch's point from its pixel.
@@ -301,7 +301,7 @@ mod tests {
             ("exact/surface.tese", "placeOfPatch.y;", "placeOfPatch.y + 1u;", "exact"),
             ("exact/patch.glsl", "b1 = 3.0 * (s2 * t)", "b1 = 2.0 * (s2 * t)", "exact"),
             ("thesis/surface.vert", "- firstPoint)", ")", "thesis"),
-            // As drivers do that begin the numbers of patches anew within a draw.
+            // Some drivers restart the numbers of patches within a draw.
             (
                 "thesis/surface.vert",
                 "gl_VertexID - firstPoint",

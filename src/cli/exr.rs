@@ -15,7 +15,7 @@ use crate::io::output::{Output, replace};
 /// One AOV and its file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct AovFile {
-    /// What is written.
+    /// The AOV that is written.
     pub(super) kind: AovKind,
     /// Where.
     pub(super) path: PathBuf,

@@ -69,11 +69,11 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Measures a scene from its own camera, or from cameras by chance.
+    /// Measures a scene from its own camera, or from random cameras.
     fn measure(&mut self, path: &Path, bar: &ProgressBar) -> Result<Report> {
         let mut scene = self.arguments.load.load(path)?;
         self.arguments.style.apply(&mut scene, path)?;
-        // What is compared with are Bézier surfaces, so those are drawn alone.
+        // The reference has only Bézier surfaces, so meshes are not drawn.
         scene.meshes.clear();
         if scene.surfaces.is_empty() {
             return Err(Error::file(
@@ -178,7 +178,7 @@ impl<'a> Bench<'a> {
 pub(super) enum Fineness {
     /// A level for all patches.
     Level(u32),
-    /// As the picture needs: so many pixels off at most.
+    /// As the picture needs: the largest error in pixels.
     Tolerance(f64),
 }
 
@@ -261,7 +261,7 @@ impl Report {
         line
     }
 
-    /// One JSON object in a line. What is no finite number is null.
+    /// One JSON object per line. Values that are not finite are null.
     pub(super) fn json(&self) -> String {
         let errors = &self.measurement;
         serde_json::to_string(&Object {

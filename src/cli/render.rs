@@ -95,7 +95,7 @@ struct Times {
     stats: FrameStats,
 }
 
-/// What one scene after the other is drawn with.
+/// Draws one scene after the other.
 pub(super) struct Job {
     offscreen: Offscreen,
     start_up: Duration,

@@ -31,7 +31,7 @@ use bench::{Bench, check_resources};
 use page::{Head, page};
 use row::Row;
 
-/// What can be measured by itself.
+/// The sections, which can be measured separately.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Topic {
     /// Levels and tolerances.
@@ -61,7 +61,7 @@ impl Topic {
     }
 }
 
-/// What the report writes beside the data.
+/// The files that the report writes beside the data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum ReportFormat {
     /// A page, and the data.
@@ -83,7 +83,7 @@ struct Section {
     name: &'static str,
     title: &'static str,
     meaning: &'static str,
-    /// What the rows say, in sentences.
+    /// Conclusions from the rows, in sentences.
     findings: Vec<String>,
     /// Titles and SVG texts.
     plots: Vec<(String, String)>,

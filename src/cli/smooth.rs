@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &SmoothArguments) -> Result<()> {
         if to_standard { "standard output".into() } else { output.display().to_string() },
         smoothed.triangles().len(),
     );
-    // What stands on standard output is the mesh alone.
+    // Standard output has nothing but the mesh.
     if to_standard {
         eprintln!("{line}");
         Ok(())

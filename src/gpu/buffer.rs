@@ -39,7 +39,7 @@ impl Buffer {
         }
     }
 
-    /// A buffer of so many values, made one after the other on their way: the whole of them is never in memory
+    /// A buffer of `count` values that are made one after the other: all of them together are never in memory
     /// twice. There must be some.
     ///
     /// # Errors
@@ -121,7 +121,7 @@ impl Buffer {
         unsafe { self.gl.bind_buffer_base(glow::TRANSFORM_FEEDBACK_BUFFER, 0, Some(self.raw)) }
     }
 
-    /// Reads so many values from the first on.
+    /// Reads the first `count` values.
     ///
     /// # Panics
     /// If the buffer holds fewer.

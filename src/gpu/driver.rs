@@ -87,7 +87,8 @@ impl DriverInfo {
     }
 
     /// The limits that must be large enough for anything to be drawn. Every driver of OpenGL 4.5 has at
-    /// least as much by the specification (its tables of implementation-dependent values); one that has not is broken.
+    /// least as much by the specification (its tables of implementation-dependent values); one that has not is
+    /// broken.
     #[must_use]
     pub fn needs(&self) -> [Need; 5] {
         let need = |what, limit, needed| Need { what, limit, needed };

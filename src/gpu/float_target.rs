@@ -27,7 +27,7 @@ impl std::fmt::Debug for FloatTarget {
 }
 
 impl FloatTarget {
-    /// So many pictures of so many pixels, one sample each, bound by nobody yet.
+    /// Creates `pictures` single-sample images of `size` pixels. They are not bound.
     ///
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.

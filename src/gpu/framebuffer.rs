@@ -31,7 +31,7 @@ impl std::fmt::Debug for Framebuffer {
 }
 
 impl Framebuffer {
-    /// A picture of so many pixels, one sample each, bound by nobody yet.
+    /// Creates a picture of `width` × `height` pixels with one sample each. It is not bound.
     ///
     /// # Errors
     /// A side of 0 pixels or beyond the driver's limit, or no memory for it.

@@ -14,7 +14,7 @@ use crate::tessellation::FrameStats;
 #[derive(Debug)]
 pub struct Offscreen {
     target: Framebuffer,
-    /// What the target was made for.
+    /// The number of samples that the target was made for.
     samples: Samples,
     renderer: Renderer,
     context: Headless,
@@ -85,7 +85,7 @@ impl Offscreen {
         Ok(image)
     }
 
-    /// Makes the target one for so many samples a pixel, if it is not.
+    /// Gives the target this number of samples per pixel.
     ///
     /// # Errors
     /// As [`Framebuffer::for_samples`].
@@ -109,19 +109,19 @@ impl Offscreen {
         Err(Error::Driver { what: what(), reason: complaints.join("; ") })
     }
 
-    /// What pictures are drawn into. It has as many samples as the last picture asked for.
+    /// The framebuffer. It has as many samples as the last picture asked for.
     #[must_use]
     pub const fn target(&self) -> &Framebuffer {
         &self.target
     }
 
-    /// What draws.
+    /// The renderer.
     #[must_use]
     pub const fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// What draws, to draw with it.
+    /// The renderer, for drawing.
     pub const fn renderer_mut(&mut self) -> &mut Renderer {
         &mut self.renderer
     }

@@ -7,14 +7,14 @@ use freeform_surface::Cause;
 /// Everything that the program gives up for, in one line each that says what, where and what was expected.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
-    /// What the library says of a scene or of drawing it.
+    /// An error of the library: of a scene, or of drawing it.
     #[error(transparent)]
     Library(#[from] freeform_surface::Error),
 
     /// A word of the command line, or a value typed or dragged in the window.
     #[error("{name} is {value}; expected {expected}")]
     Input {
-        /// What was given, in the words of the command line or the window.
+        /// Name of the input, in the words of the command line or the window.
         name: String,
         /// The value as given.
         value: String,
@@ -36,7 +36,7 @@ pub(crate) enum Error {
     /// The driver complained while it made something.
     #[error("the driver could not create {what}: {reason}")]
     Driver {
-        /// What it made.
+        /// The object.
         what: String,
         /// Its complaints.
         reason: String,

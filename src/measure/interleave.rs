@@ -20,7 +20,7 @@ impl Timing {
     }
 }
 
-/// Does several things in turns, once to warm up and then so many times, and tells how long each took
+/// Does several things in turns, once to warm up and then `turns` times, and returns how long each took
 /// by the wall clock.
 ///
 /// # Errors

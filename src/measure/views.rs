@@ -1,4 +1,4 @@
-//! Cameras by chance, the same ones every time.
+//! Random cameras that are the same in every run.
 
 use glam::{DVec2, DVec3};
 
@@ -10,7 +10,7 @@ use crate::scene::{Scene, Surface};
 /// How often a point is drawn again because trims cut it.
 const TRIES: usize = 16;
 
-/// A camera that looks at a scene by chance, with a vertical angle of view of 45° and any side up.
+/// A random camera for a scene, with a vertical angle of view of 45° and any side up.
 /// The same `seed` and `index` always give the same camera.
 ///
 /// The size of a model is half the diagonal of its box, which is that of all control points in world

@@ -1,4 +1,4 @@
-//! Who is next to whom in a mesh.
+//! Neighbours in a mesh.
 //!
 //! ```text
 //!                 2
@@ -44,7 +44,7 @@ pub(super) struct Connectivity {
 
 impl Connectivity {
     /// Pairs the half-edges that have both positions in common and run in opposite directions. Where more
-    /// than two have, or two run the same way, none of them has a twin: they are borders that have the edge
+    /// than two have, or two run the same way, they have no twins: they are borders that have the edge
     /// in common.
     pub(super) fn new(position_count: usize, triangles: &[[Corner; 3]]) -> Self {
         let ends = |halfedge: u32| {
@@ -110,7 +110,7 @@ impl Connectivity {
                 _ => of(triangle, k + 1, 0, 2),
             }
         };
-        // What runs along a third of an old half-edge from the other side.
+        // The half-edge that runs along a third of an old half-edge from the other side.
         let across = |halfedge: u32, part: u32| match self.twins[halfedge as usize] {
             NONE => NONE,
             twin => third(twin, 2 - part),
@@ -218,7 +218,7 @@ impl fmt::Display for SharedBorders {
     }
 }
 
-/// What the smooth surface over a triangle is made of.
+/// The corners and normals that the smooth surface over a triangle is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothTriangle {
     /// The corners.
@@ -357,7 +357,7 @@ impl HalfedgeMesh {
         (0..self.halfedges() / 3).map(|triangle| self.triangle(triangle).edge_normals).collect()
     }
 
-    /// What the smooth surface over a triangle is made of.
+    /// The corners and normals that the smooth surface over a triangle is made of.
     #[must_use]
     pub fn triangle(&self, triangle: u32) -> SmoothTriangle {
         let corners = &self.mesh.triangles[triangle as usize];

@@ -228,7 +228,7 @@ impl HalfedgeMesh {
     }
 }
 
-/// The nine parts of a triangle with so many new points; see the picture above.
+/// The triangles that replace a triangle, by its number of new points; see the picture above.
 fn build_tessellation_faces(
     corners: [Corner; 3],
     edges: [[Corner; 2]; 3],

@@ -9,7 +9,7 @@ use crate::renderer::{DrawnVertex, Frame, Renderer};
 use crate::scene::{Method, Normals};
 
 impl PreparedScene {
-    /// What each pixel of a frame shows, at its centre. Lines and control points are not drawn.
+    /// The AOVs of a frame at the centres of pixels. Lines and control points are not drawn.
     ///
     /// # Errors
     /// As [`PreparedScene::draw`].
@@ -26,7 +26,7 @@ impl PreparedScene {
         Ok(target.aovs())
     }
 
-    /// The corners of all triangles that a frame of the exact method draws, three for each. Trims cut none of
+    /// The corners of all triangles that a frame of the exact method draws, three for each. Trims do not cut
     /// them; triangles without area are among them. A framebuffer must be bound; it stays as it is.
     ///
     /// # Errors

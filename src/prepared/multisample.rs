@@ -11,7 +11,7 @@ use crate::renderer::{Frame, Renderer};
 use crate::scene::{Image, Samples};
 
 impl Framebuffer {
-    /// A target for pictures with so many samples: as many as asked for if the driver has them,
+    /// A target for pictures with `samples` samples per pixel: the target has all of them if the driver can,
     /// otherwise one, to be drawn into again and again by [`PreparedScene::picture`].
     ///
     /// # Errors
@@ -111,7 +111,7 @@ pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// The same view, its picture moved by so many pixels to the right and up.
+/// The same view with its picture moved by `by_px` pixels to the right and up.
 fn moved(camera: &ViewProjection, by_px: DVec2, (width, height): (u32, u32)) -> ViewProjection {
     let shift = 2.0 * by_px / dvec2(width.into(), height.into());
     let to_clip = DMat4::from_translation(dvec3(shift.x, shift.y, 0.0));

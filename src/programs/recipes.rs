@@ -29,7 +29,7 @@ enum When {
     Normal,
 }
 
-/// What decides about the files of a program.
+/// Properties that decide about the files of a program.
 pub(super) struct Facts {
     pub(super) aovs: bool,
     pub(super) phong: bool,

@@ -31,7 +31,7 @@ pub enum Cover {
     Background,
     /// No surface at the centre, but at another within 1.5 pixels.
     Beside,
-    /// A surface at the centre; at another centre within 1.5 pixels there is none, or trims cut one there
+    /// A surface at the centre; but at another centre within 1.5 pixels there is no surface, or trims cut one there
     /// or may cut within this pixel.
     Border,
     /// A surface at every pixel's centre within 1.5 pixels, where trims cut none, and trims do not cut it
@@ -55,7 +55,7 @@ pub struct Coverage {
     /// The pixels row by row from the top.
     pub pixels: Vec<Cover>,
     /// How far the nearest surface at each pixel's centre is along the view axis, in world units, where
-    /// trims do not cut it; infinite where there is none.
+    /// trims do not cut it; infinite where there is no surface.
     pub distances: Vec<f64>,
 }
 
@@ -140,7 +140,7 @@ impl Depth {
     }
 }
 
-/// Whether a scene leaves a gap within so many pixels of a pixel's centre, also one that is narrower than
+/// Whether a scene leaves a gap within `radius_px` pixels of a pixel's centre, also one that is narrower than
 /// a pixel: a window around it is looked at closely.
 ///
 /// # Errors

@@ -50,7 +50,7 @@ impl Vertex {
 
 /// Where a pixel's centre meets a triangle or line.
 pub(super) struct Sample {
-    /// What is interpolated there.
+    /// The interpolated values.
     pub(super) vertex: Vertex,
     /// How far (u, v) goes with one pixel to the right and one down.
     pub(super) uv_per_px: [DVec2; 2],

@@ -39,7 +39,7 @@ impl<'a> Sampler<'a> {
         Self::Levels(levels)
     }
 
-    /// The colour and alpha at `uv`, where (u, v) goes so far with a pixel to the right and one down.
+    /// The colour and alpha at `uv`. `uv_per_px` are the changes of (u, v) to the next pixel right and down.
     pub(super) fn sample(&self, uv: DVec2, uv_per_px: [DVec2; 2]) -> DVec4 {
         match self {
             // The renderer keeps colours in textures of 8 bits.

@@ -6,13 +6,13 @@ use crate::scene::{Light, Shading};
 
 const AMBIENT: f64 = 0.1;
 const SHININESS: f64 = 150.0;
-/// The lights stand so far above and below the world's origin.
+/// Height of the lights above and below the world's origin.
 const LIGHT_HEIGHT: f64 = 10.0;
 /// Farther than any scene reaches.
 const FAR_AWAY: f64 = 1e30;
 
 /// The two lights in view space: the thesis' at the world's (0, ±10, 0), or of the camera, from the left and above
-/// and from opposite. Those are so far away that only their direction matters.
+/// and from opposite. They are far enough away that only their direction matters.
 pub(super) fn lights(light: Light, view: &DMat4) -> [DVec3; 2] {
     match light {
         Light::World => {

@@ -17,10 +17,10 @@ impl FloatTarget {
         Self::new(renderer.gl(), size, PICTURES)
     }
 
-    /// What `common/aov.frag` has left in such a target.
+    /// The AOVs that `common/aov.frag` has written to such a target.
     pub(crate) fn aovs(&self) -> Aovs {
         let (uv, position, both) = (self.read(0), self.read(1), self.read(2));
-        // What is drawn has 1 in the first picture's alpha.
+        // Where something is drawn, the alpha of the first image is 1.
         let drawn = |i: usize| uv[i][3];
         let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
         let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);

@@ -1,4 +1,4 @@
-//! What the exact method keeps of surfaces that are drawn together from frame to frame: who is whose
+//! Everything that the exact method keeps from frame to frame of surfaces that are drawn together: which patches are
 //! neighbour, which sub-patches of the patches are drawn, and in which draws. A still scene costs its draw
 //! calls alone.
 
@@ -34,10 +34,10 @@ const MATRIX_TEXELS: usize = 12;
 #[derive(Debug, Default)]
 pub(crate) struct DrawList {
     revisions: Vec<Revision>,
-    /// What the table was made for.
+    /// The revisions of the borders that the table was made for.
     borders: Vec<u64>,
     table: EdgeTable,
-    /// What is drawn with one program and one set of textures: the sub-patches of each list of the plan.
+    /// A batch has one program and one set of textures; each list of the plan is one batch.
     batches: Vec<Batch>,
     /// For each surface, where its sub-patches go.
     lists: Vec<Lists>,
@@ -48,7 +48,7 @@ pub(crate) struct DrawList {
     staged: Vec<SubPatch>,
     uploaded: Vec<SubPatch>,
     sub_patches: Option<Buffer>,
-    /// What the driver has of the surfaces' matrices.
+    /// The matrices as the driver has them.
     columns: Vec<Vec4>,
     matrices: Option<TexelBuffer>,
     draws: Vec<Draw>,
@@ -71,7 +71,7 @@ impl Tessellated for SubPatch {
     }
 }
 
-/// What sub-patches of several patches have in common.
+/// The properties that all sub-patches of a list share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Batch {
     /// A surface that has it; the texture, the trims and the control points' buffer are its own.
@@ -84,7 +84,7 @@ pub(crate) struct Batch {
     pub(crate) trims: TrimFeatures,
 }
 
-/// What lets sub-patches of two surfaces share a draw.
+/// Sub-patches of two surfaces share a draw if these are equal.
 #[derive(PartialEq, Eq, Hash)]
 struct BatchKey {
     points: *const TexelBuffer,
@@ -304,7 +304,7 @@ impl DrawList {
             .flat_map(|surface| matrices(&surface.points_to_world(), &key.camera))
             .collect();
         match &self.matrices {
-            // Who is by itself has them as uniforms.
+            // A surface that shares no draw has its matrices as uniforms.
             _ if !self.batches.iter().any(|batch| batch.shared) => self.matrices = None,
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
                 write_changed(matrices.buffer(), &self.columns, &texels);

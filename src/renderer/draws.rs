@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::scene::Tessellation;
 use crate::tessellation::{DrawSize, patches_of_next_draw};
 
-/// What a plan was made for.
+/// The inputs of a plan: a plan holds until they change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PlanKey {
     pub(super) camera: ViewProjection,
@@ -40,7 +40,7 @@ pub(super) struct Draw {
     pub(super) triangles: u64,
 }
 
-/// Vertices and triangles that the tessellator makes of a patch; none of one that is not drawn.
+/// Vertices and triangles that the tessellator makes of a patch; 0 for a patch that is not drawn.
 pub(super) trait Tessellated {
     fn vertices(&self) -> u32;
     fn triangles(&self) -> u64;
@@ -69,7 +69,8 @@ pub(super) fn divide<T: Tessellated>(
 }
 
 impl Renderer {
-    /// Makes draws of patches with so many vertices each. `bind` binds what a batch needs, and is called when
+    /// Makes draws of patches of `patch_vertices` vertices. `bind` binds everything that a batch needs, and is
+    /// called when
     /// another batch begins. The triangles go to `captured`, if it is given, and else into the framebuffer.
     pub(super) fn make_draws(
         &self,

@@ -56,7 +56,7 @@ impl Vertex for FlatCorner {
     ];
 }
 
-/// OpenGL makes the fourth numbers 1.
+/// OpenGL sets the fourth components to 1.
 impl Vertex for BareCorner {
     const ATTRIBUTES: &'static [Attribute] = &[
         Attribute::floats(0, 3, offset_of!(Self, position)),
@@ -95,10 +95,10 @@ pub(crate) struct PreparedMesh {
     corners: Buffer,
     /// Of each corner, if the mesh has some.
     colors: Option<Buffer>,
-    /// Control points of all triangles, 10 or 6 each; none of flat ones.
+    /// Control points of all triangles, 10 or 6 each; empty for flat ones.
     nets: Vec<DVec3>,
     key: Option<PlanKey>,
-    /// Of each triangle what it needs by itself; 0 if it is out of sight.
+    /// For each triangle the level that it needs by itself; 0 if it is out of view.
     needs: Vec<u8>,
     /// Of each edge the larger need.
     edges: Vec<u8>,
@@ -197,7 +197,7 @@ impl PreparedMesh {
         })
     }
 
-    /// What a frame draws of it.
+    /// Statistics of the last update.
     pub(crate) const fn stats(&self) -> FrameStats {
         self.stats
     }

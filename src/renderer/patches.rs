@@ -10,8 +10,8 @@ use crate::programs::{CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACE
 use crate::scene::Shading;
 
 impl Renderer {
-    /// Draws what an up-to-date list holds: sub-patches that are wholly kept without the trims' code, those that may be
-    /// cut with it. The triangles go to `captured`, if it is given.
+    /// Draws what an up-to-date list holds: sub-patches that are wholly kept without the trims' code, those that
+    /// may be cut with it. The triangles go to `captured`, if it is given.
     pub(crate) fn draw_patches(
         &mut self,
         surfaces: &[PreparedSurface],

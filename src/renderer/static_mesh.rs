@@ -148,7 +148,7 @@ impl Renderer {
         self.draw_static_to(mesh, style, frame, Output::Picture)
     }
 
-    /// What each pixel of static triangles shows, at its centre.
+    /// The AOVs of static triangles, at the centres of pixels.
     ///
     /// # Errors
     /// As [`Renderer::draw_static`].

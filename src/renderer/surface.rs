@@ -16,7 +16,7 @@ use crate::trim::Trims;
 
 /// A surface in the driver's memory, to be changed between frames.
 ///
-/// What is changed goes to the driver by itself: a control point at once, trims when they are next drawn.
+/// Changes are uploaded automatically: a control point at once, trims when they are next drawn.
 #[derive(Debug)]
 pub struct PreparedSurface {
     surface: Surface,
@@ -28,7 +28,7 @@ pub struct PreparedSurface {
     revision: Revision,
 }
 
-/// Tells states of surfaces apart: no two have the same numbers.
+/// Identifies the state of a surface: no two states have the same numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Revision {
     /// Of the borders of the patches and their place in the world.
@@ -81,7 +81,7 @@ impl PreparedSurface {
     /// Places the surface in the world.
     ///
     /// # Errors
-    /// A matrix that is not finite, has numbers beyond 1e15, or is not affine (last row 0 0 0 1).
+    /// A matrix that is not finite, has entries beyond 1e15, or is not affine (last row 0 0 0 1).
     pub fn set_model_matrix(&mut self, matrix: DMat4) -> Result<()> {
         check_transform(&matrix)?;
         self.surface.transform = matrix;
@@ -179,7 +179,7 @@ impl PreparedSurface {
         &self.control_points
     }
 
-    /// What was uploaded since the trims changed last.
+    /// The uploaded form of the trims, as far as it is needed.
     pub(crate) const fn uploaded_trims(&self) -> &UploadedTrims {
         &self.uploaded_trims
     }

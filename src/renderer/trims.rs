@@ -12,8 +12,8 @@ use crate::tessellation::{FixedSplit, TrimSplits};
 use crate::thesis::trims::ThesisTrims;
 use crate::trim::{TrimGrid, Trims};
 
-/// What the shaders of each method read. It is made when the method first draws the surface, and is
-/// thrown away when its trims change.
+/// The trims in the form that the shaders of each method read. A form is made when the method first draws the
+/// surface, and is thrown away when its trims change.
 #[derive(Debug, Default)]
 pub(crate) struct UploadedTrims {
     pub(crate) thesis: Option<ThesisTrims>,

@@ -13,7 +13,7 @@ use super::file::line_of;
 use crate::bezier::Degree;
 use crate::error::{Error, Result};
 
-/// What the two integers before patches mean, and how often they stand there.
+/// The meaning of the two integers before patches, and how often they are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Dialect {
     counts: bool,
@@ -80,7 +80,7 @@ fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
                 patches = Some(found);
                 break;
             }
-            // None fits so far: to be told of is the dialect that reads further, or lacks less of the last
+            // No dialect fits. The error is of the one that reads further, or lacks less of the last
             // patch. Integers before each patch are what most files have.
             Err(fault) if dialect.once && best.is_some() => drop(fault),
             Err(fault) => {

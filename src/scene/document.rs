@@ -37,7 +37,7 @@ const MAX_STRING_BYTES: usize = 64;
 
 /// Parses a scene; `path` is for the errors and for the folder of the files it names.
 ///
-/// Each `[[surface]]` is parsed by itself, so that the memory grows with the largest of them and not
+/// Each `[[surface]]` is parsed separately, so that the memory grows with the largest of them and not
 /// with the file.
 pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Scene> {
     let files = vec![path.to_owned()];
@@ -69,7 +69,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         return Err(builder.at(0, nothing));
     }
     let Stage { mut settings, up, light } = stage.unwrap_or_default();
-    // What has no place of its own in the world is lit from where it is seen.
+    // A scene without a camera has no place of its own in the world: the lamps go with the eye.
     let framed = if camera.is_some() { Light::World } else { Light::Camera };
     settings.light = light.unwrap_or(framed);
     // Patches of a file stand as they do by themselves.
@@ -337,7 +337,7 @@ impl Builder<'_> {
     }
 }
 
-/// What a `[render]` table says.
+/// The settings of a `[render]` table.
 #[derive(Default)]
 struct Stage {
     settings: RenderSettings,

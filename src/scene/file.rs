@@ -8,7 +8,7 @@ use crate::error::{Cause, Error, Result};
 /// Scene files beyond this size are refused, so that a wrong file cannot eat the memory.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 
-/// What some editors put before a text.
+/// The mark that some editors write before a text.
 pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The extension in lower case, without the dot.

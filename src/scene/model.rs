@@ -137,7 +137,7 @@ fn hull(mesh: &HalfedgeMesh, smoothing: Smoothing) -> [DVec3; 2] {
     }))
 }
 
-/// A smooth surface over a triangle, of either kind. What is not smoothed is Phong's with α = 0.
+/// A smooth surface over a triangle, of either kind. Meshes without smoothing are Phong's with α = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Curved {
     Pn(PnTriangle),

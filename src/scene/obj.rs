@@ -22,7 +22,7 @@ use crate::scene::MeshModel;
 use material::Materials;
 use reader::Obj;
 
-/// What a file holds.
+/// The content of a file.
 pub(super) struct ObjScene {
     /// Its Bézier surfaces, patches of one degree together.
     pub(super) surfaces: Vec<Surface>,
@@ -148,7 +148,7 @@ fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>
             format!("of {} each has the same position twice", counted(dropped.len(), "triangle"));
         return Err(unreadable(path, reason));
     }
-    // What is gone is missed by the material that it had.
+    // A triangle that is dropped shortens the range of its material.
     let mut gone = dropped.iter().map(|triangle| *triangle as usize).peekable();
     let mut next = 0;
     for run in &mut runs {
@@ -199,17 +199,17 @@ impl Mesh {
     /// on, and indices may be of what stands further down.
     ///
     /// # Errors
-    /// With the line: a line of more than 1 MiB, a number that is none or not finite, a position
+    /// With the line: a line of more than 1 MiB, a number that is malformed or not finite, a position
     /// beyond 1e15, a face of fewer than three corners, an index of 0 or of what is not there. Without: no
     /// face, too many of them.
     pub fn read_obj(text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
         mesh_of(Obj::read(text, path)?, path, crease).map(|(mesh, _)| mesh)
     }
 
-    /// Writes Wavefront OBJ that reads back as the same numbers.
+    /// Writes Wavefront OBJ that reads back as exactly the same values.
     ///
     /// # Errors
-    /// What the writer says.
+    /// The errors of `out`.
     pub fn write_obj(&self, out: &mut impl Write) -> std::io::Result<()> {
         for (position, DVec3 { x, y, z }) in self.positions().iter().enumerate() {
             match self.colors().get(position) {

@@ -9,7 +9,7 @@ use crate::bezier::{Degree, Patch, check_control_point, check_coordinates};
 use crate::error::{Error, Result};
 use crate::trim::Trims;
 
-/// What a surface's points look like.
+/// How a surface is lit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Shading {
     /// The thesis' Phong model with its two lights.
@@ -59,9 +59,9 @@ pub struct Surface {
     pub paint: Paint,
     /// Lighting.
     pub shading: Shading,
-    /// What is cut out.
+    /// Its trims.
     pub trims: Trims,
-    /// What need not be drawn.
+    /// Which patches are left out because of their direction.
     pub cull: Cull,
 }
 

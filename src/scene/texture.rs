@@ -9,13 +9,13 @@ use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use super::Image;
 use crate::error::{Cause, Error, Result};
 
-/// What a picture may be.
+/// The formats of pictures.
 const FORMATS: [ImageFormat; 3] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp];
 /// The width and height that every OpenGL 4.5 driver can hold in a texture.
 const MAX_SIDE: u32 = 16_384;
 /// The most pixels: 256 MiB in memory. A small file can hold a picture that fills any memory.
 const MAX_PIXELS: u64 = 64 << 20;
-/// What decoding may need besides: 16 bits for each of four channels.
+/// Bytes that decoding may take: 16 bits for each of four channels of a pixel.
 const MAX_BYTES: u64 = 8 * MAX_PIXELS;
 
 /// Reads a picture, turned as its file says (EXIF).

@@ -35,7 +35,7 @@ pub struct SceneText {
 }
 
 impl Scene {
-    /// The text of a `.toml` file at `path` that draws the same picture. What is switched off of trims is
+    /// The text of a `.toml` file at `path` that draws the same picture. Trims that are switched off are
     /// left out. Files that stand beside it get its name and a number.
     ///
     /// # Errors

@@ -68,8 +68,8 @@ impl Screen {
     }
 }
 
-/// How far rounding in `f32` can move a point of a surface, for one picture: clip coordinates are off
-/// by so much.
+/// How far rounding in `f32` can move a point of a surface, for one picture: the largest errors of its clip
+/// coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounding {
     x: f64,
@@ -132,7 +132,7 @@ impl<T: Number> Bound<T> {
         }
     }
 
-    /// The largest distance in pixels between the patch and what is drawn of it with so many cells along
+    /// The largest distance in pixels between the patch and its triangles, with the given cells along
     /// u and v; infinite where nothing can be said.
     #[inline(always)]
     pub(crate) fn error(&self, cells: [T; 2], screen: &Screen) -> T {

@@ -189,7 +189,7 @@ fn longest(tangents: &[DVec3]) -> f64 {
 }
 
 /// The Bernstein coefficients of A′·w − A·w′, where (A, w) is the patch of a net and `slopes` are the control
-/// points of its derivative, in so many columns and rows.
+/// points of its derivative, in the given columns and rows.
 fn quotient(slopes: &[DVec4], [columns, rows]: [usize; 2], net: &Net) -> Vec<DVec3> {
     let side = net.side;
     let size = [columns + side - 1, rows + side - 1];

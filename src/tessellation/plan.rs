@@ -108,7 +108,7 @@ impl SurfacePatches<'_> {
         })
     }
 
-    /// What patches from this one on need; none of those out of sight, or that face away where that counts.
+    /// Bounds of up to `TOGETHER` patches from `first`; `None` for culled ones.
     fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
         let patches = &self.patches::<N>()[first..];
         let none = Candidate { points: &patches[0], is_rational: false, place: 0 };

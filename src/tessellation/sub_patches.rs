@@ -100,7 +100,7 @@ impl Cut {
     }
 }
 
-/// Sub-patches must leave so much less of the domain to be trimmed as to be worth their vertices.
+/// Split only if the trimmed share of the domain shrinks below this factor.
 const WORTH_IT: f32 = 0.8;
 
 /// A patch at one level in sub-patches: columns and rows of those that the trims wholly keep and of those
@@ -178,7 +178,7 @@ impl TrimSplits {
         self.useful.min(depth as u8)
     }
 
-    /// What is left of each sub-patch of a patch that is halved so often along u and v, row by row.
+    /// What the trims leave of each sub-patch at a split depth along u and v, row by row.
     pub(crate) fn cuts(&mut self, depth: [u8; 2]) -> &[Cut] {
         let place = self.known.iter().position(|(known, _)| *known == depth);
         let place = place.unwrap_or_else(|| {

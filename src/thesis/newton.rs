@@ -10,7 +10,7 @@ use glam::DVec2;
 use crate::error::{Error, Result};
 use crate::trim::{Keep, Segment, TrimLoop, Trims, inside_loops};
 
-/// How long Newton's method goes on (listing 10; figures 29–34 vary both numbers).
+/// When Newton's method stops (listing 10; figures 29–34 vary both values).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Newton {
     iterations: u32,

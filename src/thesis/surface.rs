@@ -25,7 +25,7 @@ pub struct FreeFormSurface {
     prepared: PreparedSurface,
     /// Segments of all loops.
     segments: usize,
-    /// What is kept from frame to frame.
+    /// The plan of the exact method, which is kept from frame to frame.
     draw_list: DrawList,
 }
 
@@ -90,7 +90,7 @@ impl FreeFormSurface {
     }
 
     /// Builds and uploads what drawing with these settings needs for the trims, unless that is there
-    /// already. Drawing does this by itself; call it to choose when.
+    /// already. Drawing does this automatically; call it to choose when.
     ///
     /// # Errors
     /// No memory, or loops that the method cannot cut.
@@ -255,7 +255,7 @@ impl FreeFormSurface {
     /// Adds a circle to those that are there.
     ///
     /// # Errors
-    /// What [`Circle::new`] refuses; the surface stays as it was.
+    /// As [`Circle::new`]; the surface stays as it was.
     pub fn add_circle(&mut self, circle: Circle) -> Result<()> {
         let added = Circle::new(circle.center, circle.radius)?;
         self.prepared.trims_mut().circles.push(added);
@@ -265,7 +265,7 @@ impl FreeFormSurface {
     /// Adds a rectangle to those that are there.
     ///
     /// # Errors
-    /// What [`Rect::new`] refuses; the surface stays as it was.
+    /// As [`Rect::new`]; the surface stays as it was.
     pub fn add_rect(&mut self, rect: Rect) -> Result<()> {
         let added = Rect::new(rect.u, rect.v)?;
         self.prepared.trims_mut().rects.push(added);
@@ -275,7 +275,7 @@ impl FreeFormSurface {
     /// Adds an ellipse to those that are there.
     ///
     /// # Errors
-    /// What [`Ellipse::new`] refuses; the surface stays as it was.
+    /// As [`Ellipse::new`]; the surface stays as it was.
     pub fn add_ellipse(&mut self, ellipse: Ellipse) -> Result<()> {
         let added = Ellipse::new(ellipse.center, ellipse.radii)?;
         self.prepared.trims_mut().ellipses.push(added);

@@ -91,7 +91,7 @@ fn uploaded<T: bytemuck::Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Opti
     Buffer::for_storage(gl, label, values).map(Some)
 }
 
-/// What the uniforms have no room for, of the kinds that are switched on: circles, then intervals,
+/// The shapes that do not fit into the uniforms, of the kinds that are switched on: circles, then rectangles,
 /// then ellipses, each from the second on.
 fn more_shapes(trims: &Trims) -> Vec<Vec4> {
     let mut shapes = Vec::new();

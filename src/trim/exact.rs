@@ -29,7 +29,7 @@ pub struct TrimGrid {
     words: Vec<u32>,
     loops: Option<Lookup>,
     shapes: Option<Lookup>,
-    /// What is cut where there are no loops.
+    /// The answer where there are no loops: whether everything is cut.
     keeps_inside: bool,
     pieces: Range<usize>,
     has_long_lists: bool,
@@ -97,7 +97,7 @@ impl TrimGrid {
         }
     }
 
-    /// What all cells that a rectangle touches say, if they say one thing.
+    /// The answer of all cells that a rectangle touches, if they agree.
     fn throughout(&self, lookup: &Lookup, min: Vec2, max: Vec2) -> Option<bool> {
         let uniform_grid = &lookup.uniform_grid;
         // A sample that rounding puts beyond is as close to a curve as may be decided either way.
@@ -199,7 +199,7 @@ impl TrimGrid {
         }
     }
 
-    /// What the pieces of the list at a word add to the winding number; moves on behind the list.
+    /// The contribution to the winding number of the pieces in the list at a word; moves on behind the list.
     fn crossings(&self, at: &mut usize, uv: Vec2) -> i32 {
         let references = listed(&self.words[*at..]);
         let mut number = 0;

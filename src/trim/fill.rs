@@ -5,13 +5,13 @@ use super::{TrimLoop, Trims};
 use crate::error::Result;
 use glam::DVec2;
 
-/// What of the plane is inside a path whose loops go around it, or around each other, more than once.
+/// Decides which places are inside a path whose loops wind around them more than once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FillRule {
-    /// What the loops go around an odd number of times: a loop in a loop is a hole.
+    /// A place is inside if the loops wind around it an odd number of times: a loop in a loop is a hole.
     #[default]
     EvenOdd,
-    /// What the loops go around at all, those of one direction less those of the other: a loop in a
+    /// A place is inside if its winding number is not 0, with opposite directions cancelling: a loop in a
     /// loop is a hole if it runs the other way. SVG's own default.
     NonZero,
 }
@@ -46,14 +46,14 @@ impl TrimPath {
     }
 }
 
-/// What is filled together: [`Trims::loops`], or one of [`Trims::paths`].
+/// Loops that are filled together: [`Trims::loops`], or one of [`Trims::paths`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fill<'a> {
     pub(crate) loops: &'a [TrimLoop],
     pub(crate) rule: FillRule,
 }
 
-/// Checks the number of segments of paths, with so many loops and segments before them.
+/// Checks the number of segments of paths that come after the given numbers of loops and segments.
 pub(super) fn check_paths(paths: &[TrimPath], loops: usize, segments: usize) -> Result<()> {
     let (mut loops, mut segments) = (loops, segments);
     for path in paths {
@@ -65,7 +65,7 @@ pub(super) fn check_paths(paths: &[TrimPath], loops: usize, segments: usize) -> 
 }
 
 impl Trims {
-    /// What is filled: the loops together, then each path for itself. What any of them holds is inside.
+    /// All fills: the loops together, then each path separately. Their union is inside.
     pub(crate) fn fills(&self) -> impl Iterator<Item = Fill<'_>> + Clone {
         let loops = Fill { loops: &self.loops, rule: FillRule::EvenOdd };
         let paths = self.paths.iter().map(|path| Fill { loops: &path.loops, rule: path.rule });
@@ -77,7 +77,7 @@ impl Trims {
         self.loops.iter().chain(self.paths.iter().flat_map(|path| &path.loops))
     }
 
-    /// Whether there is a loop, by itself or in a path.
+    /// Whether there is a loop, in a path or outside of one.
     #[must_use]
     pub fn has_loops(&self) -> bool {
         self.all_loops().next().is_some()

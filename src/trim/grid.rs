@@ -69,7 +69,7 @@ pub(super) const LONG_LIST: usize = 32;
 /// A cell with more pieces than this is cut once more.
 const CROWDED: usize = 12;
 
-/// What was built.
+/// The finished grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
     pub(super) uniform_grid: UniformGrid,
@@ -82,7 +82,7 @@ pub(super) struct Grid {
 }
 
 /// Builds the grid of closed chains of monotone curves behind the header, which is all that `words`
-/// has; each fill has its rule. What is inside of none of them is cut if `outside` says so, and else
+/// has; each fill has its rule. A place inside no fill is cut if `outside` says so, and otherwise
 /// the rest is. None if nothing is inside the chains.
 pub(super) fn build(
     fills: &[(FillRule, Vec<Curve>)],

@@ -312,7 +312,7 @@ mod tests {
         ] {
             assert_eq!(points(same), closed, "{same}");
         }
-        // What follows goes on from where the open one ended, or from where the closed one began.
+        // The next subpath begins where the open one ended, or where the closed one began.
         let open = points("M.1 .2 L.3 .2 L.3 .4 m.1 0 h.1 v.1");
         assert!(open[1][0][0].distance(dvec2(0.4, 0.4)) < 1e-15);
         let begun = points("M.1 .2 L.3 .2 L.3 .4 z h.1 v.1");

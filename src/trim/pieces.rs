@@ -135,7 +135,7 @@ fn rounded(point: DVec2) -> Vec2 {
     Vec2::new(component(point.x), component(point.y))
 }
 
-/// The loops as monotone curves inside the domain [0, 1]². What lies outside is pushed onto the
+/// The loops as monotone curves inside the domain [0, 1]². Parts outside are pushed onto the
 /// border, so that the chains stay closed.
 pub(super) fn monotone_curves(loops: &[TrimLoop]) -> Vec<Curve> {
     let segments = loops.iter().flat_map(TrimLoop::segments);

@@ -12,7 +12,7 @@ pub(super) const SHAPE_WORDS: usize = 8;
 
 /// Cells along a side.
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
-/// Cells that all shapes together may touch: so many each, and at least `MOST_CELLS`.
+/// Cells that all shapes together may touch: this number for each shape, and at least `MAX_CELLS`.
 const MAX_CELLS_PER_SHAPE: f64 = 16.0;
 const MAX_CELLS: f64 = 65_536.0;
 /// Cells are taken as this much larger than they are when something is said of all their samples.

@@ -1,6 +1,6 @@
 //! SVG documents into paths.
 //!
-//! usvg reads them: styles, references, shapes and transforms are resolved there. It keeps numbers in
+//! usvg reads them and resolves styles, references, shapes and transforms. It keeps coordinates in
 //! `f32`, and its arcs and circles are cubics that are off by up to 2.8·10⁻⁴ of the radius.
 
 mod document;
@@ -31,7 +31,7 @@ impl TrimPath {
     /// Strokes, markers, text, pictures, clips, masks and filters are not taken.
     ///
     /// # Errors
-    /// Text that is no SVG document, path data that is none; a document that fills nothing; more than
+    /// Text that is not an SVG document; invalid path data; a document that fills nothing; more than
     /// 1,000,000 segments in all paths together.
     pub fn from_svg(text: &str) -> Result<Vec<Self>> {
         read(text).map(|(paths, _)| paths)

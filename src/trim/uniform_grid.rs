@@ -15,7 +15,7 @@ pub(crate) struct UniformGrid {
     pub(crate) size: UVec2,
 }
 
-/// What is surely below and above every sample of a column or row.
+/// Bounds that are surely below and above every sample of a column or row.
 pub(super) type Bounds = [f32; 2];
 
 impl UniformGrid {

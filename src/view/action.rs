@@ -42,7 +42,7 @@ pub(crate) enum Action {
     Turn(i8, i8),
     /// The camera moves by a step: to the right, and up.
     Pan(i8, i8),
-    /// The camera comes nearer by so many steps.
+    /// Moves the camera nearer by this number of steps.
     Zoom(i8),
     /// The next scene of the folder.
     NextScene,

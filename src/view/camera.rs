@@ -48,7 +48,7 @@ impl Mover {
         self.look(camera, DQuat::from_axis_angle(self.up, by.x) * level, pitch)
     }
 
-    /// The camera at its distance, in a direction that is level, and so far above it.
+    /// The camera at its distance, in a level direction, raised by `pitch` (radians).
     fn look(&self, camera: &Camera, level: DVec3, pitch: f64) -> Result<Camera> {
         let (sin, cos) = pitch.sin_cos();
         let back = level * cos + self.up * sin;

@@ -181,7 +181,7 @@ mod tests {
         assert!(screen.shown().read() == shown && !screen.is_unfinished(&state));
     }
 
-    /// Events by chance end in drawings without an error of the driver; and what is saved then is drawn
+    /// After random events the driver draws without an error; and the saved scene is drawn
     /// the same, pixel for pixel.
     #[test]
     fn after_random_events_the_saved_scene_is_what_is_shown() {

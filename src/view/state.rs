@@ -174,7 +174,7 @@ impl State {
         self.size
     }
 
-    /// The picture has so many pixels now, at least one.
+    /// Sets the size of the picture in pixels, at least one.
     pub(crate) fn resize(&mut self, width: u32, height: u32) {
         self.size = dvec2(width.max(1).into(), height.max(1).into());
         self.changes.picture = true;
@@ -330,7 +330,7 @@ impl State {
         &self.mover
     }
 
-    /// Turns the turntable on by so much time.
+    /// Turns the turntable for `seconds`.
     pub(crate) fn advance(&mut self, seconds: f64) {
         if self.turntable {
             let camera = self.hold_camera();
@@ -408,7 +408,7 @@ impl State {
     /// Puts parts into the scene, so that they can be taken back.
     ///
     /// # Errors
-    /// Trims with numbers that are none, or that the thesis' method cannot cut while that is drawn.
+    /// Trims that are not finite, or that the thesis' method cannot cut while it is drawn.
     pub(crate) fn edit(&mut self, edits: Vec<Change>) -> Result<()> {
         if edits.is_empty() {
             return Ok(());

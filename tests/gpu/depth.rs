@@ -14,7 +14,7 @@ use crate::harness::{backends, render};
 
 const SIZE: UVec2 = UVec2::new(60, 40);
 
-/// Who draws.
+/// The pipeline that draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Drawer {
     Exact,

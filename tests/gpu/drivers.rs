@@ -1,4 +1,4 @@
-//! What drivers are free to do, and have done: none of it may show.
+//! Freedoms that drivers have, and take: none of them may change a picture.
 #![allow(unsafe_code, reason = "the driver's own limit is asked for")]
 
 use freeform_surface::inspect::Buffer;

@@ -1,4 +1,4 @@
-//! Meshes from views by chance: how far what is drawn is from the smooth surface on the screen, in `f64`,
+//! Meshes from random views: how far the triangles are from the smooth surface on the screen, in `f64`,
 //! and whether the background shows through it.
 
 use freeform_surface::inspect::measure::Random;

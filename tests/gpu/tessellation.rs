@@ -168,10 +168,10 @@ fn check_insides(name: &str, drawn: &[DrawnVertex]) {
     }
 }
 
-/// The scene's own view, and others by chance: as many of each family.
+/// The scene's own view, and random ones: the same number of each family.
 fn views(scene: &Scene, aspect: f64, of_each: u64) -> Vec<Option<Camera>> {
-    let by_chance = (0..4 * of_each).map(|index| Some(random_view(scene, 7, index, aspect)));
-    [scene.camera].into_iter().chain(by_chance).collect()
+    let random = (0..4 * of_each).map(|index| Some(random_view(scene, 7, index, aspect)));
+    [scene.camera].into_iter().chain(random).collect()
 }
 
 #[test]
@@ -218,7 +218,7 @@ fn all_parts_of_a_patch_are_drawn_once() {
         assert!((area - 1.0).abs() < 1e-5, "{degree:?}: triangles cover {area} of the domain");
         let all: BTreeSet<[u32; 2]> =
             drawn.iter().map(|vertex| vertex.uv.map(f32::to_bits)).collect();
-        // A part has at most 64 cells a side. There are at least so many parts, in powers of two.
+        // A sub-patch has at most 64 cells a side; this gives the smallest number of sub-patches, a power of two.
         let parts = [0, 1].map(|axis| {
             let places: BTreeSet<u32> = all.iter().map(|uv| uv[axis]).collect();
             (places.len() - 1).div_ceil(64).next_power_of_two()
@@ -256,7 +256,7 @@ fn pair(random: &mut Random, degree: Degree, rational: bool, turn: usize) -> [Ve
 }
 
 #[test]
-fn patches_by_chance_meet_in_every_orientation() {
+fn random_patches_meet_in_every_orientation() {
     let mut stage = Stage::new(uvec2(1000, 600));
     let mut random = Random(1);
     let of_each = if is_long() { 10 } else { 1 };
@@ -318,7 +318,7 @@ fn half_a_pixel_of_the_teapot_takes_45_000_triangles() {
     assert_eq!(drawn.len() as u64, 3 * stats.triangles);
 }
 
-/// A rough field of so many patches a side.
+/// A rough field of `side` × `side` patches.
 fn rough_field(side: usize) -> Scene {
     let mut random = Random(5);
     let points_a_side = 3 * side + 1;

@@ -1,5 +1,5 @@
 //! How far triangles and normals are from the surfaces, in `f64`: on every scene there is, from views
-//! by chance, and at every size and place that numbers allow.
+//! at random, and at every size and place that floats allow.
 
 use std::path::PathBuf;
 
@@ -199,7 +199,7 @@ fn normals_of_quartic_and_rational_patches() {
         });
         Surface::new(degree, points.collect()).unwrap()
     });
-    check_normals_at_all_sizes("by chance", &scene_of(surfaces.collect()), 0);
+    check_normals_at_all_sizes("random", &scene_of(surfaces.collect()), 0);
 }
 
 #[test]

@@ -21,7 +21,7 @@ enum Fault {
     Cracks,
     /// Pixels show what is hidden.
     Hidden,
-    /// Numbers are none.
+    /// Values that are not finite.
     BadValues,
 }
 

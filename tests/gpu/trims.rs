@@ -120,7 +120,7 @@ fn mixed_trims() -> Trims {
     trims
 }
 
-/// Petals that meet in one point, so many that the cell there lists hundreds of pieces, which bulge to
+/// Petals that meet in one point. The cell there lists hundreds of pieces, which bulge to
 /// either side.
 fn starburst() -> Trims {
     let mut trims = Trims::default();

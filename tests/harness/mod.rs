@@ -211,7 +211,7 @@ fn write_failure(
     Ok(path)
 }
 
-/// Around edges a sample's exact place decides; so far around.
+/// Width of the band around edges where the exact place of a sample decides, in pixels.
 pub const BAND_PX: f64 = 1.5;
 
 /// Leaves out wrong pixels that a speckle between pixels explains; returns how many.

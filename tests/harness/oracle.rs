@@ -8,7 +8,7 @@ use glam::{DVec2, Vec2, dvec2};
 /// How far from a curve a sample may be decided either way, in the unit of the domain.
 pub const EITHER_WAY: f64 = 2e-7;
 
-/// The centres of so many pixels.
+/// The centres of `side` × `side` pixels.
 pub fn centers(side: u32) -> Vec<f64> {
     (0..side).map(|i| (f64::from(i) + 0.5) / f64::from(side)).collect()
 }

@@ -6,7 +6,7 @@ use freeform_surface::{
 };
 use glam::{DVec3, DVec4};
 
-/// The exact method within so many pixels, with normals of every pixel, before nothing.
+/// The exact method within a tolerance in pixels, with normals per pixel and a transparent background.
 pub fn within(pixels: f64) -> RenderSettings {
     RenderSettings {
         background: [0.0; 4],

@@ -53,7 +53,7 @@ pub fn of_mesh(mesh: &Mesh, distance: fn(DVec3) -> f64) -> f64 {
     mesh.triangles().iter().map(|triangle| of_triangle(corners(triangle))).fold(0.0, f64::max)
 }
 
-/// The largest distance after so many steps.
+/// The largest distance after `steps` steps.
 pub fn after_steps(
     mesh: &Mesh,
     smoothing: Smoothing,

@@ -48,7 +48,7 @@ pub fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
-/// An icosahedron whose faces were cut into four so many times, on the unit sphere.
+/// An icosahedron on the unit sphere whose faces were cut into four repeatedly.
 pub fn sphere(halvings: u32) -> Mesh {
     let (mut positions, mut faces) = icosahedron();
     for _ in 0..halvings {

@@ -98,7 +98,7 @@ fn measure_takes_method_level_tolerance_and_normals() {
 }
 
 #[test]
-fn measure_looks_from_views_by_chance() {
+fn measure_looks_from_random_views() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
     let one = |flags: &[&str]| {

@@ -504,7 +504,7 @@ fn a_mesh_is_smoothed_by_its_keys_and_a_right_drag_zooms() {
 }
 
 #[test]
-fn ten_thousand_events_by_chance_do_no_harm() {
+fn ten_thousand_random_events_do_no_harm() {
     const KEYS: [&str; 33] = [
         "Up",
         "Down",

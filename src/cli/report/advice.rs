@@ -1,4 +1,4 @@
-//! What the rows come to: which method to use when, and where a peer is faster.
+//! Conclusions from the rows: which method to use when, and where a peer is faster.
 
 use super::peers::{LIBGLU, STATIC};
 use super::row::{Row, half_a_pixel, trims};
@@ -190,7 +190,7 @@ mod tests {
         ] {
             assert!(line.contains(words), "{line}");
         }
-        // What was not installed is named.
+        // A peer that is not installed is named.
         let missing = Row { note: Some("not measured: gone".into()), ..peer(LIBGLU, 0.5, 0.0) };
         let missing = Row { ms: None, tolerance: None, ..missing };
         let line = &advice(&[&rows[0], &rows[1], &missing])[0];

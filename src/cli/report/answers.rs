@@ -1,4 +1,4 @@
-//! What the report finds where the answer is known beforehand, and what it finds in shaders that were
+//! Tests of the report on scenes with known answers, and on shaders that were
 //! broken on purpose.
 
 use std::path::Path;

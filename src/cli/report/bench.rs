@@ -41,7 +41,7 @@ pub(super) struct Bench {
 pub(super) struct Wrong {
     pub(super) pixels: usize,
     /// From the furthest of them to the nearest pixel on the other side of the border, in pixels; 0 if there
-    /// are none, and none if there is no border in the picture.
+    /// are none; `None` if there is no border in the picture.
     pub(super) distance: Option<f64>,
 }
 
@@ -97,7 +97,7 @@ impl Bench {
         format!("{}, OpenGL {}", info.renderer, info.version)
     }
 
-    /// What times are taken of, for the report's first lines.
+    /// The clock that times are taken from, for the report's first lines.
     pub(super) const fn clock(&self) -> &'static str {
         match self.timer {
             None => "the wall clock around a finished frame",
@@ -145,7 +145,7 @@ impl Bench {
         Frame::of(scene, self.size)
     }
 
-    /// What a frame of each scene takes if the camera moves from frame to frame.
+    /// The time of a frame of each scene while the camera moves from frame to frame.
     pub(super) fn time(&mut self, scenes: &[Scene]) -> Result<Vec<Timing>> {
         let mut prepared = Vec::with_capacity(scenes.len());
         for scene in scenes {
@@ -157,7 +157,7 @@ impl Bench {
         })
     }
 
-    /// What frames take that are drawn by their number. On drivers that share the processor's cores this
+    /// The times of frames that `draw` draws by their number. On drivers that share the processor's cores this
     /// is the wall clock around a finished frame; on others the longer of what the processor and the
     /// device take for it, since they work side by side.
     pub(super) fn time_frames(
@@ -188,7 +188,7 @@ impl Bench {
         })
     }
 
-    /// What each pixel of a scene's picture shows, and what was drawn for it.
+    /// The AOVs of a scene's picture, and its statistics.
     pub(super) fn numbers(&mut self, scene: &Scene) -> Result<(Aovs, FrameStats)> {
         let frame = self.frame(scene);
         let mut prepared = self.prepare(scene)?;
@@ -225,7 +225,8 @@ impl Bench {
     /// place that a pixel shows, against whether it is drawn.
     ///
     /// Of what is not drawn, the place is that of the same triangles through shaders that cut nothing, also
-    /// where something else shows behind it. What is missing there too was left out by the processor, as wholly cut; it is wrong if without
+    /// where something else shows behind it. What is missing there too was left out by the processor, as wholly
+    /// cut; it is wrong if without
     /// trims it and all pixels around it are kept (alone it may be the triangles': without trims others
     /// are drawn, up to the tolerance away).
     pub(super) fn wrong(&mut self, scene: &Scene) -> Result<Wrong> {

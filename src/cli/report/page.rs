@@ -53,13 +53,13 @@ const COLUMNS: [(&str, Cell); 20] = [
     ("furthest wrong, px", |row| row.max_wrong_distance.map(|v| format!("{v:.1}"))),
 ];
 
-/// What stands above all sections.
+/// The head of the page, above all sections.
 #[derive(Debug, Default)]
 pub(super) struct Head {
     pub(super) version: String,
     pub(super) driver: String,
     pub(super) machine: String,
-    /// What times are taken of.
+    /// The clock that times are taken from.
     pub(super) clock: &'static str,
     pub(super) size: (u32, u32),
     pub(super) summary: Vec<String>,

@@ -77,7 +77,7 @@ fn measure(bench: &mut Bench, section: &mut Section) -> Result<()> {
     Ok(())
 }
 
-/// All who draw within one tolerance, in turns.
+/// All methods and peers that draw within one tolerance, measured in turns.
 fn rows(
     bench: &mut Bench,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! What is measured, as flat rows for programs.
+//! The measurements as flat rows for other programs.
 
 use freeform_surface::Method;
 use freeform_surface::inspect::measure::{Measurement, Timing};
@@ -7,7 +7,7 @@ use serde::Serialize;
 /// A spread above this share of the median is pointed out.
 pub(super) const NOISY: f64 = 0.2;
 
-/// One thing that was measured. What does not apply is none, and null in JSON, as is what is infinite.
+/// One measurement. Fields that do not apply are `None`; in JSON they are null, and so are infinite values.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub(super) struct Row {
     pub(super) section: &'static str,
@@ -35,7 +35,7 @@ pub(super) struct Row {
     pub(super) max_error: Option<f64>,
     /// Bytes that the process grew by.
     pub(super) memory: Option<u64>,
-    /// What went wrong, in words.
+    /// The error, in words.
     pub(super) note: Option<String>,
     pub(super) command: String,
 }
@@ -64,7 +64,7 @@ impl Row {
     }
 }
 
-/// Wrong pixels and milliseconds of all trimmed figures together, by the exact method or with so many
+/// Wrong pixels and milliseconds of all trimmed figures together, by the exact method or with a number of
 /// iterations and this epsilon. Figures of lines are not counted, pictures of defects not timed.
 pub(super) fn trims(rows: &[&Row], newton: Option<(u32, f64)>) -> Option<(usize, f64)> {
     let mut sum = None;

@@ -100,7 +100,7 @@ fn of_patches(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     Ok((timing, Row { patches: Some(count), ..Row::new("scaling", "patches", "exact") }))
 }
 
-/// A hole with a wavy border of so many straight segments.
+/// A hole with a wavy border of `count` straight segments.
 fn of_segments(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     let mut scene = Scene::listing16();
     let at = |i: usize| {
@@ -117,7 +117,7 @@ fn of_segments(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     Ok((timing, Row { segments: Some(count), ..Row::new("scaling", "trim segments", "exact") }))
 }
 
-/// Neighbours and one step of a torus of about so many triangles.
+/// Neighbours and one step of a torus of about `count` triangles.
 fn of_triangles(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     let mesh = torus((count / 2).isqrt())?;
     let triangles = mesh.triangles().len();

@@ -196,7 +196,7 @@ fn note_of_trims(Wrong { pixels, distance }: Wrong) -> Option<String> {
     (pixels > 0).then(|| format!("{pixels} wrong pixels, {how_far}"))
 }
 
-/// What is wrong of a surface; `unmet` is what a tolerance that is not met leaves.
+/// The faults of a surface in words; `unmet` is the error if a tolerance is not met.
 fn note_of(errors: &Measurement, unmet: Option<f64>) -> Option<String> {
     let mut notes = Vec::new();
     if let Some(unmet) = unmet {

@@ -6,7 +6,7 @@ use super::page::Head;
 use super::peers::{LIBGLU, STATIC};
 use super::row::{Row, half_a_pixel, trims};
 
-/// Half a pixel of the teapot by all who drew it, and the trims of the thesis' figures 22–25, as far as
+/// The teapot to half a pixel by every method and peer, and the trims of the thesis' figures 22–25, as far as
 /// the rows tell.
 pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
     let mut text = format!(

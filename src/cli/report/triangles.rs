@@ -48,7 +48,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         let (mut over_time, mut over_triangles) = (Vec::new(), Vec::new());
         for (way, smoothing) in ways {
             let mut scenes = Vec::new();
-            // What is not smoothed stays as it is at every level.
+            // A mesh without smoothing is the same at every level.
             let levels = if smoothing == Smoothing::None { &levels[..1] } else { levels };
             for level in levels {
                 scenes.push(scene(&mesh, smoothing, *level)?);
@@ -133,7 +133,7 @@ fn largest(corners: &[DVec3], distance: Distance) -> f64 {
 }
 
 /// How much nearer the smooth surfaces are than the plain mesh, at the finest level of each: coarser
-/// ones may come nearer by chance, where their corners are.
+/// ones may happen to come nearer, where their corners are.
 fn finding(rows: &[Row], shape: &str) -> Option<String> {
     let finest = |way: &str| {
         let rows =

@@ -64,7 +64,7 @@ impl SubPatch {
         }
     }
 
-    /// The corners of so many cells along a side, row by row.
+    /// The corners of `cells` × `cells` cells, row by row.
     pub(super) fn corners(&self, cells: usize) -> impl Iterator<Item = Corner> {
         let at = move |i: usize| i as f64 / cells as f64;
         (0..=cells).flat_map(move |j| {

@@ -127,7 +127,7 @@ fn loop_of(segments: &[Vec<[f64; 2]>]) -> Result<TrimLoop> {
     segments.collect::<Result<_>>().and_then(TrimLoop::new)
 }
 
-/// Whether there are loops, none of which reaches into the domain.
+/// Whether there are loops and all of them lie outside the domain.
 fn is_outside<'a>(mut loops: impl Iterator<Item = &'a TrimLoop> + Clone) -> bool {
     let beyond = |trim_loop: &TrimLoop| {
         let [low, high] = trim_loop.control_box();

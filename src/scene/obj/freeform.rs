@@ -7,7 +7,7 @@ use glam::{DVec3, DVec4};
 use crate::bezier::Degree;
 use crate::scene::Surface;
 
-/// What is known of free-form statements so far.
+/// State of the free-form statements that were read.
 #[derive(Debug, Default)]
 pub(super) struct FreeForm {
     /// `cstype`: whether weights count, and what kind of curves there are.
@@ -20,7 +20,7 @@ pub(super) struct FreeForm {
     /// How many parameters `parm u` and `parm v` have.
     parameters: [usize; 2],
     patches: Vec<Patch>,
-    /// What is not drawn, and how often it stands there.
+    /// Unsupported elements, with their counts.
     left_out: BTreeMap<String, usize>,
 }
 
@@ -133,7 +133,7 @@ impl FreeForm {
         self.patches.len()
     }
 
-    /// What is not drawn, in words: "2 bspline surfaces".
+    /// The unsupported elements in words: "2 bspline surfaces".
     pub(super) fn left_out(&self) -> Vec<String> {
         let mut what = Vec::new();
         for (name, count) in &self.left_out {
@@ -142,7 +142,7 @@ impl FreeForm {
         what
     }
 
-    /// Takes the patches as surfaces, patches of one degree together; none if there are none.
+    /// Takes the patches as surfaces, one surface for each degree that occurs.
     ///
     /// # Errors
     /// The line of a control point that is not there or has no weight above 0, and what is wrong.

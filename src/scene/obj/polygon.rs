@@ -58,14 +58,14 @@ fn is_convex(corners: &[DVec2]) -> bool {
     changes == 2 && (0..count).all(|i| is_clear([at(i), at(i + 1), at(i + 2)]))
 }
 
-/// What an ear may be.
+/// Which corners may be cut off, from strict to lax.
 #[derive(Clone, Copy, PartialEq)]
 enum Rule {
     /// A corner that turns left, with nothing in its triangle.
     Clear,
-    /// A straight corner: what is left has no area, or is bent.
+    /// A straight corner: the rest has no area, or is bent.
     Straight,
-    /// Any corner: what is left crosses itself.
+    /// Any corner: the rest crosses itself.
     Any,
 }
 
@@ -212,7 +212,7 @@ mod tests {
         (0..corners.len()).map(|i| corners[i].perp_dot(corners[(i + 1) % corners.len()])).sum()
     }
 
-    /// What must hold of the triangles of a simple polygon that turns left, wherever it lies.
+    /// Checks the triangles of a simple polygon that turns left, wherever it lies.
     fn check(corners: &[DVec2], to_space: &DMat3) {
         let in_space: Vec<DVec3> =
             corners.iter().map(|corner| *to_space * corner.extend(0.0)).collect();
@@ -255,7 +255,7 @@ mod tests {
         )
     }
 
-    /// Puts corners on the straight edges of a polygon: so many on each.
+    /// Adds the given numbers of corners to the straight edges of a polygon.
     fn with_straight_corners(corners: &[DVec2], on_each: &[usize]) -> Vec<DVec2> {
         let mut all = Vec::new();
         for (i, corner) in corners.iter().enumerate() {

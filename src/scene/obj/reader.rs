@@ -16,7 +16,7 @@ use crate::scene::{bpt::shortened, file::unreadable};
 /// The longest line, in bytes, with those that go on from it: a face of some ten thousand corners.
 const MAX_LINE: usize = 1 << 20;
 
-/// What was read so far.
+/// Everything read until now.
 #[derive(Default)]
 pub(super) struct Obj {
     pub(super) positions: Vec<DVec3>,
@@ -215,7 +215,7 @@ impl Obj {
         let count = self.triangles.len() - before;
         match self.runs.last_mut() {
             Some(run) if run.material == material => run.count += count,
-            // Before any material is named there is none.
+            // Until a material is named, triangles have no material.
             None if self.material_names.is_empty() => {}
             _ => {
                 if self.runs.is_empty() && before > 0 {
@@ -228,7 +228,7 @@ impl Obj {
         }
     }
 
-    /// What can only be said at the end of the file; an error with its line.
+    /// Errors that can only be found at the end of the file, with their line.
     fn finish(&mut self) -> Result<(), (usize, String)> {
         let counts = self.counts();
         for LateFace { line, material, corners } in std::mem::take(&mut self.late) {
@@ -310,7 +310,7 @@ fn skip_mark(line: &mut Vec<u8>) -> Result<(), String> {
     Ok(())
 }
 
-/// What follows a statement's name.
+/// The arguments of a statement.
 fn after<'a>(line: &'a str, name: &str) -> &'a str {
     line[name.len()..].trim()
 }
@@ -366,7 +366,7 @@ fn out_of_range(number: i64, what: &str, count: usize) -> String {
     format!("index {number} of a {what}; {expected}")
 }
 
-/// What of a corner is not among so many positions, texture coordinates and normals.
+/// The first index of a corner that exceeds the number of positions, texture coordinates or normals.
 fn missing(corner: &Corner, [positions, coordinates, normals]: [usize; 3]) -> Option<String> {
     let missing = |index: u32, what: &str, count: usize| {
         let gone = index != Corner::NONE && index as usize >= count;
@@ -377,7 +377,7 @@ fn missing(corner: &Corner, [positions, coordinates, normals]: [usize; 3]) -> Op
         .or_else(|| missing(corner.normal, "normal", normals))
 }
 
-/// The first numbers of a line that has so many at most.
+/// The first `N` numbers of a line that has at most `max`.
 fn numbers<'a, const N: usize>(
     what: &str,
     words: impl Iterator<Item = &'a str>,

@@ -147,7 +147,7 @@ impl Plan {
     }
 }
 
-/// How far a sub-patch of so many cells can be from the surface at most. Where its bound is above the
+/// The largest error of a sub-patch with the given cells. If its bound is above the
 /// tolerance, smaller sub-patches may tell better: much of it may be out of sight.
 fn left_over<const N: usize>(
     net: &ClipNet<N>,
@@ -175,7 +175,7 @@ fn left_over<const N: usize>(
         .fold(0.0, f64::max)
 }
 
-/// Whether a sub-patch reaches so far into the depth that rounding would move what is seen of its near end;
+/// Whether a sub-patch spans so large a range of depth that rounding would move its near end visibly;
 /// smaller sub-patches help.
 fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
     bound.rounding > 0.1 * screen.tolerance() && bound.depth_ratio > 2.0

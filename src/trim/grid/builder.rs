@@ -14,7 +14,7 @@ use crate::trim::uniform_grid::{Bounds, UniformGrid, count_before, touched};
 
 /// Bit of a reference to a piece that bulges to the left of its chord.
 const LEFT: u32 = 8;
-/// From so many words on no cell is cut once more.
+/// A grid of more words is not subdivided further.
 const MANY_WORDS: usize = 1 << 26;
 
 /// A piece, and what it belongs to.
@@ -33,7 +33,7 @@ impl Member {
         Some(Self { piece, falls: curve[0].y > curve[3].y, fill: *fill })
     }
 
-    /// What the piece adds to a winding number if the ray crosses it.
+    /// The piece's contribution to a winding number if the ray crosses it.
     fn turn(&self) -> i32 {
         if self.falls { -1 } else { 1 }
     }
@@ -56,7 +56,7 @@ enum Beyond {
 /// The pieces of one fill that samples of a cell meet.
 struct Group {
     fill: usize,
-    /// The winding number of a sample that meets none of them.
+    /// The winding number of a sample whose ray meets no piece.
     base: i32,
     references: Vec<Reference>,
 }
@@ -188,7 +188,7 @@ impl Builder<'_> {
         Reference { piece, beyond }
     }
 
-    /// What a piece adds to the winding number of a sample in its cell.
+    /// A piece's contribution to the winding number of a sample in its cell.
     fn crossings(&self, reference: Reference, uv: Vec2) -> i32 {
         let member = self.member(reference);
         let end = match reference.beyond {

@@ -8,7 +8,7 @@ use crate::trim::uniform_grid::{UniformGrid, touched};
 
 /// Cells along a side.
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
-/// Cutting curves to the size of cells adds so many pieces for each, but at least and at most these.
+/// Cutting curves to the size of cells may add this number of pieces for each curve, within these limits.
 const MORE_PIECES_PER_CURVE: usize = 15;
 const MORE_PIECES: std::ops::RangeInclusive<usize> = 1 << 14..=1 << 20;
 
@@ -19,7 +19,7 @@ pub(super) struct FilledCurve {
     pub(super) fill: u32,
 }
 
-/// The uniform grid for so many curves: about 4 cells for each, fewer if that cut long curves into too
+/// The uniform grid for a number of curves: about 4 cells for each, fewer if that cut long curves into too
 /// many pieces. None if the curves hold nothing between them.
 pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     let mut min = Vec2::INFINITY;
@@ -95,7 +95,7 @@ pub(super) fn cut_to_cells(curves: &[FilledCurve], uniform_grid: &UniformGrid) -
     finer
 }
 
-/// Cells along a side of the finer uniform grid in a cell with so many pieces.
+/// Cells along a side of the finer grid in a cell, from its number of pieces.
 pub(super) fn finer_side(count: usize) -> u32 {
     (2.0 * (count as f64).sqrt()).min((*SIDES.end()).into()) as u32
 }

@@ -1,4 +1,4 @@
-//! What usvg is given of an SVG document: nothing that it would follow for long and that is not filled.
+//! Prepares an SVG document for usvg: removes everything that is not filled and that usvg would spend long on.
 //!
 //! usvg follows references between masks, clips, filters, patterns and markers as deep as they go, which
 //! a small file can make endless. Those elements are taken out, and paints become plain colours, before
@@ -42,7 +42,7 @@ pub(super) struct ReducedDocument {
 
 impl ReducedDocument {
     /// # Errors
-    /// Text that is no XML, or too large once its entities are replaced; path data that is none, with its
+    /// Text that is not XML, or too large once its entities are replaced; invalid path data, with its
     /// line.
     pub(super) fn new(text: &str) -> Result<Self> {
         let bytes = entity_bytes(text);
@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn entities_are_bounded_before_they_are_replaced() {
         let document = |value: &str, body: &str| {
-            // What looks like the end of the declarations is none, and the end has a space in it.
+            // A false end of the declarations, and a true end with a space in it.
             format!(
                 "<!DOCTYPE svg [<!ENTITY a ']>'><!ENTITY e '{value}'>] ><svg xmlns='{NAMESPACE}'>\
                  {body}</svg>"

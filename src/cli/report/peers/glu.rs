@@ -77,7 +77,7 @@ pub(super) struct Glu {
     made: Triangles,
 }
 
-/// What the callbacks gather.
+/// The triangles that the callbacks gather.
 #[derive(Debug, Default)]
 pub(super) struct Triangles {
     pub(super) vertices: Vec<StaticVertex>,
@@ -180,10 +180,10 @@ impl Glu {
         }
     }
 
-    /// The triangles of patches, seen so in so many pixels, off by at most `tolerance` pixels.
+    /// The triangles of patches for a camera and a size in pixels, with an error of at most `tolerance` pixels.
     ///
     /// # Errors
-    /// What the library complains of, by its number.
+    /// The error number of the library.
     pub(super) fn tessellate(
         &mut self,
         patches: &Patches,
@@ -283,7 +283,7 @@ impl Triangles {
     }
 }
 
-// What follows is called by the library within `tessellate` alone, with the triangles as its data, which
+// The following functions are called by the library within `tessellate` only, with the triangles as its data, which
 // nothing else reads or writes meanwhile.
 
 unsafe extern "C" fn begin(mode: c_uint, data: *mut Triangles) {
