@@ -243,9 +243,21 @@ fn split_borders(curve: &Curve, depth: u32, curves: &mut Vec<Curve>) {
             }
         }
     }
-    let inside = curve.map(|point| point.clamp(DVec2::ZERO, DVec2::ONE));
+    let inside = curve.map(onto_border);
     let (min, max) = (inside[0].min(inside[3]), inside[0].max(inside[3]));
     curves.push(inside.map(|point| point.clamp(min, max)));
+}
+
+/// Clamps a point to the domain. What is nearer than 5·10⁻⁸ to a border lies on it: curves that are meant to follow
+/// the border do so up to rounding.
+fn onto_border(point: DVec2) -> DVec2 {
+    const NEAR: f64 = 5e-8;
+    let coordinate = |x: f64| match x {
+        ..NEAR => 0.0,
+        x if x > 1.0 - NEAR => 1.0,
+        x => x,
+    };
+    DVec2::new(coordinate(point.x), coordinate(point.y))
 }
 
 /// The parameter at which a coordinate of a monotone curve is `value`, between those of its ends.

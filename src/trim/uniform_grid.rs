@@ -2,6 +2,9 @@
 
 use glam::{UVec2, Vec2};
 
+/// The greatest sample: `f32`'s last number below 1. The far borders of the domain belong to the cells before them.
+pub(super) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+
 /// A box cut into columns along u and rows along v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UniformGrid {

@@ -10,7 +10,7 @@ use super::{
 };
 use crate::trim::FillRule;
 use crate::trim::pieces::Piece;
-use crate::trim::uniform_grid::{Bounds, UniformGrid, count_before, touched};
+use crate::trim::uniform_grid::{BELOW_ONE, Bounds, UniformGrid, count_before, touched};
 
 /// Bit of a reference to a piece that bulges to the left of its chord.
 const LEFT: u32 = 8;
@@ -165,7 +165,7 @@ impl Builder<'_> {
 
     /// The pieces of one fill as a cell refers to them.
     fn group(&self, listed: &Listed, members: &[u32], [columns, rows]: [Bounds; 2]) -> Group {
-        let corner = Vec2::new(columns[1], rows[0]);
+        let corner = Vec2::new(columns[1].min(BELOW_ONE), rows[0]);
         let references: Vec<Reference> =
             members.iter().map(|piece| self.reference(*piece, corner.x)).collect();
         // Such that the corner itself comes out right.
@@ -301,6 +301,7 @@ impl Builder<'_> {
     fn corners(&self, columns: &[Bounds], rows: &[Bounds], group: &Group) -> Vec<i32> {
         // Each entry is added in its column and in those to the right of it.
         let width = columns.len();
+        let rights: Vec<f32> = columns.iter().map(|[_, right]| right.min(BELOW_ONE)).collect();
         let mut turns = vec![0; (width + 1) * rows.len()];
         let mut row_turns = vec![0; rows.len() + 1];
         for reference in &group.references {
@@ -312,14 +313,19 @@ impl Builder<'_> {
                 Beyond::Low => row_turns[rows_below(piece.low.y)] -= turn,
                 Beyond::High => row_turns[rows_below(piece.high.y)] += turn,
             }
+            let [min, max] = piece.u_range();
+            // No sample lies on the right border.
+            let surely = if min < 1.0 {
+                count_before(columns, min, |[_, right]| *right < min)
+            } else {
+                width
+            };
             for row in rows_below(piece.low.y)..rows_below(piece.high.y) {
                 let v = rows[row][0];
-                let [min, max] = piece.u_range();
-                let surely = count_before(columns, min, |[_, right]| *right < min);
                 turns[row * (width + 1)] += turn;
                 turns[row * (width + 1) + surely] -= turn;
-                let maybe = columns[surely..].iter().take_while(|[_, right]| *right < max);
-                for (column, [_, right]) in (surely..).zip(maybe) {
+                let maybe = rights[surely..].iter().take_while(|right| **right < max);
+                for (column, right) in (surely..).zip(maybe) {
                     if piece.crosses(Vec2::new(*right, v)) {
                         turns[row * (width + 1) + column] += turn;
                         turns[row * (width + 1) + column + 1] -= turn;
@@ -340,7 +346,7 @@ impl Builder<'_> {
         corners
     }
 
-    /// The pieces that touch each cell: those of cell i are `members[starts[i]..starts[i + 1]]`.
+    /// The pieces that touch each cell and matter there: those of cell i are `members[starts[i]..starts[i + 1]]`.
     fn members_of_cells(
         &self,
         columns: &[Bounds],
@@ -354,6 +360,9 @@ impl Builder<'_> {
                 let piece = &self.member(*reference).piece;
                 let [min, max] = piece.u_range();
                 for row in touched(rows, [piece.low.y, piece.high.y]) {
+                    if is_beside(piece, rows[row]) {
+                        continue;
+                    }
                     for column in touched(columns, [min, max]) {
                         visit(row * columns.len() + column, reference.piece);
                     }
@@ -372,4 +381,13 @@ impl Builder<'_> {
         });
         (starts, members)
     }
+}
+
+/// Whether a cell in a row need not list a piece that touches it: no ray towards greater u meets the left border, all
+/// samples lie left of the right one, and level pieces with no end within the row change nothing.
+fn is_beside(piece: &Piece, [bottom, top]: Bounds) -> bool {
+    let [min, max] = piece.u_range();
+    let is_beside = |v: f32| (v <= bottom) == (v <= top.min(BELOW_ONE));
+    let is_level = piece.low.y == piece.high.y;
+    max <= 0.0 || min >= 1.0 || (is_level && is_beside(piece.low.y))
 }
