@@ -5,7 +5,7 @@ use std::str::FromStr;
 use crate::error::{Error, Result};
 
 /// The AOVs of a picture: one value at the centre of each pixel, rows from the
-/// top. The fourth number of each is alpha: 1 where a surface is drawn, and 0 like the other three
+/// top. The fourth value is alpha: 1 where a surface is drawn, and 0 like the other three
 /// elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aovs {
@@ -13,7 +13,7 @@ pub struct Aovs {
     pub size: (u32, u32),
     /// u, v and the patch's number; it counts through all surfaces of the scene, from 0.
     pub uv: Vec<[f32; 4]>,
-    /// The place in world space.
+    /// The position in world space.
     pub position: Vec<[f32; 4]>,
     /// The unit normal Su × Sv in world space.
     pub normal: Vec<[f32; 4]>,

@@ -19,7 +19,7 @@ const NEAR_AT_LEAST: f64 = 1e-9;
 /// itself: the usual depth has too few digits for it.
 const FAR_OVER_NEAR: f64 = 30.0;
 
-/// How depth turns into size on the screen.
+/// The projection of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lens {
     /// Perspective with a vertical angle of view in radians, inside (0, π).
@@ -130,8 +130,8 @@ impl Camera {
     }
 
     /// A camera that sees all `points` from the front, a little from the right and from above, as
-    /// large as a picture of `aspect` (width over height) allows. `up` is the axis that stands
-    /// upright, `+y` or `+z`; the front is `+z` or `−y` accordingly.
+    /// large as a picture of `aspect` (width over height) allows. `up` is the axis that is
+    /// vertical, `+y` or `+z`; the front is `+z` or `−y` accordingly.
     #[must_use]
     pub fn framing(points: impl Iterator<Item = DVec3> + Clone, up: DVec3, aspect: f64) -> Self {
         let up = up.normalize_or(DVec3::Y);
@@ -204,13 +204,13 @@ impl Camera {
         self.target
     }
 
-    /// The direction that stands upright in the picture.
+    /// The vertical direction of the picture.
     #[must_use]
     pub const fn up(&self) -> DVec3 {
         self.up
     }
 
-    /// How depth turns into size.
+    /// The projection.
     #[must_use]
     pub const fn lens(&self) -> Lens {
         self.lens

@@ -65,30 +65,30 @@ struct RenderArguments {
     #[command(flatten)]
     load: LoadArguments,
 
-    /// The picture's file; a folder if there are several scenes; "-" for standard output.
-    /// Otherwise each picture has the name of its scene and goes to the current folder.
+    /// The picture's file; a folder if there are several scenes; "-" for standard output. Without it, each
+    /// picture is named after its scene and written to the current folder.
     #[arg(short, long, value_name = "OUT.png")]
     output: Option<PathBuf>,
 
-    /// Pixels of the picture.
+    /// Size of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
     resolution: (u32, u32),
 
     #[command(flatten)]
     style: LookArguments,
 
-    /// How meshes become smooth surfaces: none, pn or phong, instead of the scene's.
+    /// Smoothing of meshes: none, pn or phong, instead of the scene's.
     #[arg(long, value_name = "METHOD", value_parser = smoothing)]
     smoothing: Option<Smoothing>,
 
     /// Write the values at the centre of each pixel as 32-bit floats: uv (u, v and the number of the patch),
-    /// position and normal (in world space), or depth (along the view axis). May be given several
-    /// times; takes one scene.
+    /// position and normal (in world space), or depth (along the view axis). May be given several times; works
+    /// with one scene only.
     #[arg(long, value_name = "KIND=FILE.exr")]
     aov: Vec<AovFile>,
 
-    /// Samples per pixel, 1 to 256 in powers of two, instead of the scene's. If the driver has fewer,
-    /// they are drawn one after the other.
+    /// Samples per pixel, 1 to 256 in powers of two, instead of the scene's. If the driver supports fewer, each
+    /// sample is drawn in a pass of its own.
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     samples: Option<Samples>,
 
@@ -113,7 +113,7 @@ struct RenderArguments {
 /// Settings of both methods; they override the scene's.
 #[derive(Debug, Args)]
 struct LookArguments {
-    /// Whose trims and normals: exact (right at every sample) or thesis, instead of the scene's.
+    /// Method for trims and normals: exact (correct at every sample) or thesis, instead of the scene's.
     #[arg(long, value_name = "METHOD", value_parser = method)]
     method: Option<Method>,
 
@@ -141,19 +141,19 @@ struct MeasureArguments {
     #[command(flatten)]
     load: LoadArguments,
 
-    /// Pixels of the picture.
+    /// Size of the picture in pixels.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1000x600", value_parser = resolution)]
     resolution: (u32, u32),
 
     #[command(flatten)]
     style: LookArguments,
 
-    /// Measure this many random views instead of the scene's own: far away, inside, very near,
-    /// grazing, in turns.
+    /// Measure this many random views instead of the scene's own. They alternate between far away, inside, very
+    /// near and grazing.
     #[arg(long, value_name = "N", default_value_t = 0)]
     views: u64,
 
-    /// Which random views: the same number gives the same views.
+    /// Seed of the random views: the same seed gives the same views.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
 
@@ -179,7 +179,7 @@ impl LookArguments {
     /// Changes the settings of a scene.
     ///
     /// # Errors
-    /// Loops that the thesis' method cannot cut, if that is asked for.
+    /// The thesis' method is requested and cannot cut one of the loops.
     fn apply(&self, scene: &mut Scene, path: &Path) -> Result<(), Error> {
         let settings = &mut scene.settings;
         settings.method = self.method.unwrap_or(settings.method);
@@ -205,15 +205,15 @@ struct ReportArguments {
     #[arg(long, value_name = "DIR", default_value = "report")]
     out: PathBuf,
 
-    /// Fewer and smaller pictures, in about a minute.
+    /// Measure fewer and smaller pictures; this takes about a minute.
     #[arg(long)]
     quick: bool,
 
-    /// Only this section; may be given several times.
+    /// Measure only this section; may be given several times.
     #[arg(long, value_name = "SECTION")]
     only: Vec<Topic>,
 
-    /// A page and its data, or the data alone on standard output.
+    /// Write a page and its data, or only the data to standard output.
     #[arg(long, value_name = "FORMAT", default_value = "html")]
     format: ReportFormat,
 
@@ -232,7 +232,7 @@ struct SmoothArguments {
     #[arg(value_name = "IN.obj")]
     input: PathBuf,
 
-    /// The surfaces that the new points lie on: pn (curved PN triangles) or phong (Phong tessellation).
+    /// The smooth surfaces on which the new points lie: pn (curved PN triangles) or phong (Phong tessellation).
     #[arg(long, value_name = "METHOD")]
     method: SmoothMethod,
 
@@ -240,13 +240,13 @@ struct SmoothArguments {
     #[arg(long, value_name = "A", value_parser = alpha, allow_negative_numbers = true)]
     alpha: Option<Alpha>,
 
-    /// How many times, 1 to 8.
+    /// Number of smoothing steps, 1 to 8.
     #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true,
           value_parser = clap::value_parser!(u32).range(1..=8))]
     steps: u32,
 
-    /// Where normals are missing: the angle between triangles, 0 to 180, beyond which their edge
-    /// stays a crease; 30 by default.
+    /// Where normals are missing: an edge stays a crease if the angle between its triangles, 0 to 180, is
+    /// larger than this; 30 by default.
     #[arg(long, value_name = "D", value_parser = crease_angle, allow_negative_numbers = true)]
     crease_degrees: Option<CreaseAngle>,
 
@@ -270,8 +270,8 @@ struct InfoArguments {
     #[arg(long, value_name = "BACKEND", default_value_t)]
     backend: Backend,
 
-    /// Draw known patches, trims and a mesh, and say in one line whether this driver draws them right;
-    /// the exit status is 1 if not.
+    /// Draw patches, trims and a mesh with known results, and report in one line whether this driver draws them
+    /// correctly; the exit status is 1 if not.
     #[arg(long)]
     check: bool,
 }
@@ -334,13 +334,13 @@ impl Arguments {
         matches!(&self.command, Some(Command::Render(arguments)) if arguments.verbose)
     }
 
-    /// Reads the command line. Wrong usage is one line on standard error and status 2.
+    /// Reads the command line. Wrong usage prints one line to standard error and exits with status 2.
     pub(crate) fn read() -> Self {
         Self::try_parse().unwrap_or_else(|error| {
             if !error.use_stderr() {
                 error.exit();
             }
-            // The first paragraph says what is wrong, the others how usage looks.
+            // The first paragraph states the error; the other paragraphs show the usage.
             let text = error.to_string();
             let what: Vec<&str> =
                 text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
@@ -382,7 +382,7 @@ fn default_scene() -> Result<(), Error> {
     job.render(&Scene::listing16(), &output, &ProgressBar::hidden())?;
     say("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on")?;
     say(job.driver())?;
-    // Cargo puts no `freeform` on the path.
+    // Under `cargo run`, the program is not on the search path.
     let freeform =
         if std::env::var_os("CARGO").is_some() { "cargo run --release --" } else { "freeform" };
     say("\nNext:")?;

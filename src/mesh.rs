@@ -27,7 +27,7 @@ pub(crate) use weld::weld;
 /// How a mesh becomes a smooth surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Smoothing {
-    /// It stays as it is: flat triangles, shaded by interpolated normals.
+    /// None: flat triangles, shaded by interpolated normals.
     #[default]
     None,
     /// Curved PN triangles (Vlachos, Peters, Boyd, Mitchell 2001).
@@ -91,7 +91,7 @@ impl CreaseAngle {
         }
     }
 
-    /// The number of degrees.
+    /// The angle in degrees.
     #[must_use]
     pub const fn degrees(self) -> f64 {
         self.0
@@ -99,7 +99,7 @@ impl CreaseAngle {
 }
 
 impl Default for CreaseAngle {
-    /// 30 degrees: a cube keeps its edges, and what is round stays so.
+    /// 30 degrees: a cube keeps its edges, and round shapes stay smooth.
     fn default() -> Self {
         Self(30.0)
     }
@@ -108,9 +108,9 @@ impl Default for CreaseAngle {
 /// One corner of a triangle: indices, from 0, into the lists of its mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Corner {
-    /// The position. Triangles whose corners have the same one are connected.
+    /// The position. Triangles whose corners have the same position are connected.
     pub position: u32,
-    /// The normal, or [`Corner::NONE`] in what [`Mesh::new`] is given.
+    /// The normal, or [`Corner::NONE`] in the arguments of [`Mesh::new`].
     pub normal: u32,
     /// The texture coordinates, or [`Corner::NONE`].
     pub coordinate: u32,
@@ -262,13 +262,13 @@ impl Mesh {
         &self.normals
     }
 
-    /// The texture coordinates; none if no corner has any.
+    /// The texture coordinates; empty if no corner has any.
     #[must_use]
     pub fn coordinates(&self) -> &[DVec2] {
         &self.coordinates
     }
 
-    /// The colours of the positions; none if they have none.
+    /// The colours of the positions; empty if the mesh has none.
     #[must_use]
     pub fn colors(&self) -> &[[f32; 3]] {
         &self.colors

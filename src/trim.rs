@@ -276,7 +276,7 @@ impl TrimLoop {
         &self.segments
     }
 
-    /// Box of the control points: least and greatest (u, v). It holds the loop.
+    /// Bounding box of the control points: minimum and maximum (u, v). The loop lies inside.
     #[must_use]
     pub fn control_box(&self) -> [DVec2; 2] {
         bounding_box(self.segments.iter().flat_map(Segment::points).copied())
@@ -304,8 +304,8 @@ pub struct Trims {
     pub ellipses: Vec<Ellipse>,
     /// Loops, combined by even-odd while [`Trims::loops_on`].
     pub loops: Vec<TrimLoop>,
-    /// Paths, each filled by its own rule while [`Trims::loops_on`]: what is inside of one of them is
-    /// inside, whatever the loops and the other paths say.
+    /// Paths, each filled by its own rule while [`Trims::loops_on`]: a place inside one of them is
+    /// inside, regardless of the loops and the other paths.
     pub paths: Vec<TrimPath>,
     /// Which side of the loops and paths stays, if there are any.
     pub keep: Keep,
@@ -360,7 +360,7 @@ impl Trims {
         self.all_loops().map(|trim_loop| trim_loop.segments.len()).sum()
     }
 
-    /// Checks every shape, as its constructor would have: the fields are public.
+    /// Checks every shape as its constructor does, because the fields are public.
     ///
     /// # Errors
     /// The first shape that its constructor refuses, too many segments.

@@ -1,4 +1,5 @@
-//! Whatever stands in a file, the parsers answer, and within bounds of memory.
+//! Parsers answer any input with a result or an error, within bounds of memory. A crate of its own: its allocator counts
+//! what the whole process allocates.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};

@@ -1,5 +1,5 @@
-//! `freeform info --check`: patches, trims and a mesh whose points are known, drawn by the driver as numbers
-//! and compared in `f64`.
+//! `freeform info --check`: draws patches, trims and a mesh with known points, reads the drawn AOVs back and
+//! compares them with `f64`.
 
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -15,17 +15,17 @@ use freeform_surface::{
 };
 use glam::{DVec2, DVec3, DVec4, UVec2, dvec2, dvec3};
 
-/// Pixels of the pictures.
+/// Size of the pictures in pixels.
 const SIZE: UVec2 = UVec2::new(192, 144);
 
-/// Results for a driver that draws right.
+/// Results for a driver that draws correctly.
 #[derive(Debug)]
 pub(super) struct Checked {
-    /// The largest distance of a patch's point from its pixel.
+    /// The largest distance on the screen between a pixel and the point of a patch that it shows.
     patches_px: f64,
-    /// Pixels whose trims were compared.
+    /// The number of pixels whose trims were compared.
     trimmed: usize,
-    /// The largest distance of a mesh's point from the sphere of radius 1.
+    /// The largest distance of a point of the mesh from the sphere of radius 1.
     mesh: f64,
 }
 
@@ -43,7 +43,7 @@ impl fmt::Display for Checked {
 /// Draws everything and compares it.
 ///
 /// # Errors
-/// The first thing that is drawn wrong, or not at all.
+/// The first object that is drawn wrongly or not at all.
 pub(super) fn run(context: &Headless, sources: Sources) -> Result<Checked> {
     let mut renderer = Renderer::with_sources(context.gl(), sources)?;
     let of = |what: &str, found: std::result::Result<_, String>| {
@@ -73,7 +73,8 @@ fn draw(renderer: &mut Renderer, scene: &Scene) -> Result<Aovs> {
     Ok(PreparedScene::new(renderer, scene)?.aovs(renderer, &target, &frame)?)
 }
 
-/// Hills of 144 cubic patches, and behind them a rational one of degree 4, which comes first.
+/// A height field of 144 cubic patches and, behind it, a rational patch of degree 4. The rational patch comes
+/// first in the scene.
 fn patches(method: Method) -> Scene {
     const SIDE: usize = 12;
     let height = |x: f64, y: f64| 0.3 * (2.5 * x).sin() * (3.0 * y).cos();
@@ -135,7 +136,7 @@ fn patches_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> 
             found.covered, found.expected, found.crack_pixels, found.hidden_pixels
         ));
     }
-    // The thesis' own normal is wrong by its nature.
+    // The normals of the thesis' method are wrong by design, so only those of the exact method are checked.
     let normals = 0.1;
     if method == Method::Exact
         && (found.normal_error_deg.is_nan() || found.normal_error_deg > normals)
@@ -148,7 +149,7 @@ fn patches_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> 
     Ok(found.max_error_px)
 }
 
-/// A square whose pixels are known places of its domain, cut by trims of every kind.
+/// A square cut by trims of every kind. For each pixel, the place in the domain that it shows is known.
 fn square() -> Scene {
     let third = |i: usize| i as f64 / 3.0;
     let points = (0..16).map(|i| DVec4::new(third(i % 4), third(i / 4), 0.0, 1.0)).collect();
@@ -169,7 +170,7 @@ fn square() -> Scene {
     }
 }
 
-/// How many pixels of the square were compared.
+/// The number of pixels of the square that were compared.
 fn trims_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> {
     let size = SIZE.as_dvec2();
     let (mut compared, mut wrong) = (0_u32, 0);
@@ -235,7 +236,7 @@ fn sphere() -> Result<Scene> {
 
 /// The largest distance of a drawn point from the sphere.
 fn sphere_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> {
-    /// Curved PN triangles of this size are this near to their sphere.
+    /// Curved PN triangles of this size deviate from their sphere by less than this.
     const NEAR: f64 = 5e-4;
     let mesh = scene.meshes[0].mesh().mesh();
     let size = SIZE.as_dvec2();
@@ -255,7 +256,7 @@ fn sphere_off(scene: &Scene, drawn: &Aovs) -> std::result::Result<f64, String> {
         let point = dvec3(x, y, z);
         let off = (point.length() - 1.0).abs();
         let on_ray = z > 0.0 && point.truncate().distance(place) < NEAR;
-        // The triangle whose number it is lies there.
+        // The triangle with the pixel's number must be near this point.
         let triangle = mesh.triangles().get(uv[2] as usize);
         let near = triangle.is_some_and(|corners| {
             let [a, b, c] = corners.map(|corner| mesh.positions()[corner.position as usize]);
@@ -301,7 +302,7 @@ mod tests {
             ("exact/surface.tese", "placeOfPatch.y;", "placeOfPatch.y + 1u;", "exact"),
             ("exact/patch.glsl", "b1 = 3.0 * (s2 * t)", "b1 = 2.0 * (s2 * t)", "exact"),
             ("thesis/surface.vert", "- firstPoint)", ")", "thesis"),
-            // Some drivers restart the numbers of patches within a draw.
+            // Some drivers restart the numbering of patches within a draw.
             (
                 "thesis/surface.vert",
                 "gl_VertexID - firstPoint",

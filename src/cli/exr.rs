@@ -1,4 +1,4 @@
-//! AOVs as OpenEXR files of 32-bit floats: which of them go where.
+//! AOVs as OpenEXR files of 32-bit floats: the requested AOVs and their files.
 
 use std::io::{Cursor, Write as _};
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::io::output::{Output, replace};
 pub(super) struct AovFile {
     /// The AOV that is written.
     pub(super) kind: AovKind,
-    /// Where.
+    /// The file that it is written to.
     pub(super) path: PathBuf,
 }
 
@@ -40,10 +40,10 @@ impl std::str::FromStr for AovFile {
 }
 
 impl AovFile {
-    /// Refuses what would leave one file where several were asked for.
+    /// Refuses requests in which one file would overwrite another.
     ///
     /// # Errors
-    /// Several scenes, two AOVs with one file.
+    /// There are several scenes, or two AOVs have the same file.
     pub(super) fn check(files: &[Self], scenes: usize) -> Result<()> {
         if scenes > 1 && !files.is_empty() {
             return Err(Error::invalid("--aov", format!("given for {scenes} scenes"), "one scene"));
@@ -57,19 +57,19 @@ impl AovFile {
         Ok(())
     }
 
-    /// Refuses to write over a file that a scene was read from.
+    /// Refuses to overwrite a file that a scene was read from.
     ///
     /// # Errors
-    /// Names the file.
+    /// The error names the file.
     pub(super) fn check_keeps(&self, sources: &[PathBuf]) -> Result<()> {
         Output::File(self.path.clone()).check_keeps(sources)
     }
 
-    /// Writes its AOV: depth as the one channel Z, infinite where nothing is, as compositing programs expect it;
-    /// others as the channels R, G, B and A.
+    /// Writes the AOV to its file. Depth has the single channel Z, which is infinite where nothing is drawn, as
+    /// compositing programs expect. The other AOVs have the channels R, G, B and A.
     ///
     /// # Errors
-    /// The file cannot be written; an older one stays as it was.
+    /// The file cannot be written; an existing file is left unchanged.
     pub(super) fn write(&self, aovs: &Aovs) -> Result<()> {
         let numbers = aovs.channel(self.kind);
         let channel = |name: &str, of_pixel: fn(&[f32; 4]) -> f32| {
@@ -117,7 +117,7 @@ mod tests {
 
     use super::*;
 
-    /// The size of a file's picture and the numbers of its channels, by their names.
+    /// The size of a file's picture and the values of its channels, keyed by channel name.
     fn read(path: &Path) -> ((usize, usize), BTreeMap<String, Vec<f32>>) {
         let layer = read_first_flat_layer_from_file(path).unwrap().layer_data;
         let channels = layer.channel_data.list.iter().map(|channel| {

@@ -1,4 +1,4 @@
-//! `freeform info`: the driver, its limits, and whether it draws what it should.
+//! `freeform info`: the driver, its limits, and a check that it draws correctly.
 
 use super::check;
 use crate::io::Result;
@@ -7,7 +7,7 @@ use freeform_surface::inspect::Need;
 use freeform_surface::inspect::programs::Sources;
 use freeform_surface::{Backend, Headless};
 
-/// Prints the driver that the backend gives.
+/// Prints the driver that the backend provides.
 pub(super) fn print(backend: Backend) -> Result<()> {
     let context = Headless::new(backend)?;
     let info = context.info();
@@ -25,7 +25,7 @@ pub(super) fn print(backend: Backend) -> Result<()> {
     line("samples a pixel", &info.max_samples.to_string())
 }
 
-/// Draws what is known beforehand, and prints in one line whether the driver is right.
+/// Draws scenes with known results, and prints in one line whether the driver draws them correctly.
 pub(super) fn print_check(backend: Backend) -> Result<()> {
     let context = Headless::new(backend)?;
     let checked = check::run(&context, Sources::default())?;

@@ -1,4 +1,5 @@
-//! `freeform measure`: how far pictures of a scene are from it, for people and for programs.
+//! `freeform measure`: measures how far pictures of a scene deviate from it, and prints the result as text or
+//! JSON.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,13 +17,13 @@ use serde::Serialize;
 use super::{Format, MeasureArguments};
 use crate::io::{input, say};
 
-/// Frames whose median time is told.
+/// The number of frames whose median time is reported.
 const FRAMES: usize = 3;
 
 /// Measures every scene and prints a line for each.
 ///
 /// # Errors
-/// One for each scene that failed; the others are measured all the same.
+/// One for each scene that failed; the others are still measured.
 pub(super) fn all(arguments: &MeasureArguments) -> Result<(), Vec<Error>> {
     input::check(&arguments.scenes).map_err(|error| vec![error])?;
     let mut bench = Bench::new(arguments).map_err(|error| vec![error])?;
@@ -46,7 +47,7 @@ pub(super) fn all(arguments: &MeasureArguments) -> Result<(), Vec<Error>> {
     if errors.is_empty() { Ok(()) } else { Err(errors) }
 }
 
-/// A context with targets that one scene after the other is measured in.
+/// A context with render targets in which the scenes are measured one after the other.
 struct Bench<'a> {
     picture: Framebuffer,
     numbers: FloatTarget,
@@ -121,7 +122,7 @@ impl<'a> Bench<'a> {
             report.ms += ms;
         }
         if met_views == 0 {
-            // Nothing is known of what every view counts apart.
+            // Every view was left out, so these values are unknown.
             let none = f64::NAN;
             report.measurement.max_error_px = none;
             report.measurement.mean_error_px = none;
@@ -141,7 +142,8 @@ impl<'a> Bench<'a> {
         Ok(report)
     }
 
-    /// The errors of one view, its triangles, its milliseconds, and what a limit left of the tolerance.
+    /// Measures one view. Returns its errors, its triangles, its milliseconds, and the error that remains if a
+    /// limit keeps the view from meeting the tolerance.
     fn view(
         &mut self,
         scene: &Scene,
@@ -172,24 +174,24 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// How finely a scene was cut into triangles.
+/// How finely a scene was tessellated.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Fineness {
     /// A level for all patches.
     Level(u32),
-    /// As the picture needs: the largest error in pixels.
+    /// Levels as the picture needs them, for this largest error in pixels.
     Tolerance(f64),
 }
 
-/// The errors of a scene's pictures, and what they cost.
+/// The errors of a scene's pictures, and their cost.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Report {
     /// The scene's file.
     pub(super) scene: String,
-    /// Whose trims and normals.
+    /// The method for trims and normals.
     pub(super) method: Method,
-    /// How finely.
+    /// How finely the scene was tessellated.
     pub(super) fineness: Fineness,
     /// The errors of all its pictures together.
     pub(super) measurement: Measurement,
@@ -197,11 +199,12 @@ pub(super) struct Report {
     pub(super) triangles: u64,
     /// Milliseconds of a still frame, on average.
     pub(super) ms: f64,
-    /// Views that reached a limit; if there are several views, they do not count for the rest.
+    /// The number of views that reached a limit. If there are several views, the other values leave these views
+    /// out.
     pub(super) unmet_views: u64,
 }
 
-/// The keys of the object, in their order.
+/// The keys of the JSON object, in order.
 #[derive(Serialize)]
 struct Object<'a> {
     scene: &'a str,
@@ -229,7 +232,7 @@ impl Report {
         }
     }
 
-    /// One line to read.
+    /// The report as one line of text.
     pub(super) fn line(&self) -> String {
         let errors = &self.measurement;
         let fineness = match self.fineness {
@@ -261,7 +264,7 @@ impl Report {
         line
     }
 
-    /// One JSON object per line. Values that are not finite are null.
+    /// The report as one line with a JSON object. Values that are not finite become null.
     pub(super) fn json(&self) -> String {
         let errors = &self.measurement;
         serde_json::to_string(&Object {

@@ -1,4 +1,4 @@
-//! `freeform render`: scenes into pictures, and where the time went.
+//! `freeform render`: draws scenes into pictures, and reports the time of each step.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ use crate::io::say;
 /// Renders every scene to its output.
 ///
 /// # Errors
-/// One for each scene that failed; the others are written all the same.
+/// One for each scene that failed; the others are still written.
 pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(), Vec<Error>> {
     AovFile::check(&arguments.aov, arguments.scenes.len()).map_err(|error| vec![error])?;
     let mut job = Job::new(arguments.backend, arguments.resolution).map_err(|error| vec![error])?;
@@ -27,11 +27,11 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
     let scenes: Vec<_> =
         arguments.scenes.iter().map(|path| (path, Loaded::read(path, arguments))).collect();
     let loaded = || scenes.iter().filter_map(|(_, loaded)| loaded.as_ref().ok());
-    // No picture may take the place of what any of the scenes was read from.
+    // No picture may overwrite a file that any of the scenes was read from.
     let sources: Vec<PathBuf> =
         loaded().flat_map(|loaded| loaded.scene.files.iter().cloned()).collect();
     let drawings: u64 = loaded().map(|loaded| job.drawings(&loaded.scene)).sum();
-    // Without a terminal indicatif draws nothing.
+    // Without a terminal, indicatif draws nothing.
     let bar = if drawings > 1 && !arguments.verbose {
         ProgressBar::new(drawings)
     } else {
@@ -60,14 +60,14 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
     if errors.is_empty() { Ok(()) } else { Err(errors) }
 }
 
-/// A scene, and how long it took to read.
+/// A scene, and the time that it took to read.
 struct Loaded {
     scene: Scene,
     time: Duration,
 }
 
 impl Loaded {
-    /// Reads a scene; what the command line says wins.
+    /// Reads a scene; options on the command line override its settings.
     fn read(path: &Path, arguments: &RenderArguments) -> Result<Self> {
         let start = Instant::now();
         let mut scene = arguments.load.load(path)?;
@@ -83,7 +83,7 @@ impl Loaded {
     }
 }
 
-/// How long the parts of one picture took.
+/// The times of the steps of one picture.
 #[derive(Debug, Default)]
 struct Times {
     load: Duration,
@@ -115,7 +115,7 @@ impl Job {
         Ok(Self { offscreen, start_up, set_up, load: Duration::ZERO, verbose: false })
     }
 
-    /// Renderer and version of the driver.
+    /// The driver's renderer and version.
     pub(super) fn driver(&self) -> String {
         self.offscreen.context().info().to_string()
     }
@@ -146,7 +146,7 @@ impl Job {
         Ok(())
     }
 
-    /// Writes what the pixels of a scene show.
+    /// Writes the AOVs of a scene.
     fn write_aovs(&mut self, scene: &Scene, files: &[AovFile]) -> Result<()> {
         if files.is_empty() {
             return Ok(());
@@ -160,7 +160,7 @@ impl Job {
         files.iter().try_for_each(|file| file.write(&aovs))
     }
 
-    /// How often a scene is drawn for its picture.
+    /// The number of passes for one picture of a scene.
     fn drawings(&self, scene: &Scene) -> u64 {
         let samples = scene.settings.samples.get();
         let max = u32::try_from(self.offscreen.context().info().max_samples).unwrap_or(0);

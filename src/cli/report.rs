@@ -1,4 +1,4 @@
-//! `freeform report`: speed against error for every method, on the machine at hand.
+//! `freeform report`: measures speed against error of every method on this machine.
 
 mod advice;
 #[cfg(test)]
@@ -61,23 +61,23 @@ impl Topic {
     }
 }
 
-/// The files that the report writes beside the data.
+/// The output of the report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum ReportFormat {
-    /// A page, and the data.
+    /// A page, with the data in files beside it.
     Html,
     /// The data alone, on standard output.
     Json,
 }
 
-/// A picture with what it shows.
+/// A picture with its caption.
 #[derive(Debug)]
 struct Figure {
     caption: String,
     image: Image,
 }
 
-/// One part of the report.
+/// One section of the report.
 #[derive(Debug)]
 struct Section {
     name: &'static str,
@@ -85,7 +85,7 @@ struct Section {
     meaning: &'static str,
     /// Conclusions from the rows, in sentences.
     findings: Vec<String>,
-    /// Titles and SVG texts.
+    /// The title and the SVG text of each plot.
     plots: Vec<(String, String)>,
     figures: Vec<Figure>,
     rows: Vec<Row>,
@@ -105,10 +105,10 @@ impl Section {
     }
 }
 
-/// Measures what was asked for and writes the report.
+/// Measures the requested sections and writes the report.
 ///
 /// # Errors
-/// No context, no folder of scenes, a scene that cannot be drawn, files that cannot be written.
+/// There is no context or no folder of scenes, a scene cannot be drawn, or a file cannot be written.
 pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     check_resources(&arguments.resources)?;
     let topics: Vec<Topic> = if arguments.only.is_empty() {
@@ -169,7 +169,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
     say(format_args!("wrote {}", index.display()))
 }
 
-/// The command line that makes this report again.
+/// The command line that reproduces this report.
 fn command(arguments: &ReportArguments) -> String {
     let mut command = format!("freeform report --out {}", arguments.out.display());
     if arguments.quick {
@@ -189,7 +189,7 @@ fn command(arguments: &ReportArguments) -> String {
     command
 }
 
-/// The processor and how many of its cores can be used.
+/// The processor and the number of cores that the program can use.
 fn machine() -> String {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let model = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {

@@ -1,4 +1,4 @@
-//! `freeform smooth`: a triangle mesh in, a finer and smoother one out.
+//! `freeform smooth`: reads a triangle mesh and writes a finer and smoother one.
 
 use std::io::{BufWriter, Write as _};
 use std::path::Path;
@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &SmoothArguments) -> Result<()> {
         if to_standard { "standard output".into() } else { output.display().to_string() },
         smoothed.triangles().len(),
     );
-    // Standard output has nothing but the mesh.
+    // Standard output carries only the mesh.
     if to_standard {
         eprintln!("{line}");
         Ok(())

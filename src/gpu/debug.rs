@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glow::HasContext;
 
-/// The driver's complaints about a context: errors and undefined behaviour are kept, everything goes
+/// The driver's complaints about a context: errors and undefined behaviour are recorded, everything goes
 /// to the log.
 #[derive(Debug, Clone, Default)]
 pub struct DebugLog {
@@ -36,8 +36,8 @@ impl DebugLog {
         log
     }
 
-    /// Does something of whose calls the driver may complain as it likes: nobody is told, and no time is lost
-    /// with telling.
+    /// Does something while the driver's complaints are switched off, so that they cost no time and are not
+    /// recorded.
     pub fn unheard<T>(gl: &glow::Context, work: impl FnOnce() -> T) -> T {
         // SAFETY: the context is current (see the module).
         unsafe {
@@ -49,7 +49,7 @@ impl DebugLog {
         }
     }
 
-    /// The errors since the last call, and forgets them.
+    /// Returns the errors since the last call and removes them.
     #[must_use]
     pub fn take_errors(&self) -> Vec<String> {
         std::mem::take(&mut *self.errors.lock().unwrap_or_else(PoisonError::into_inner))

@@ -6,7 +6,7 @@ use glow::HasContext;
 
 use crate::error::{Error, Result};
 
-/// What the driver is and how much it can do, as far as the program relies on it.
+/// The driver's names and the limits that the library relies on.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DriverInfo {
     /// `GL_RENDERER`.
@@ -21,7 +21,7 @@ pub struct DriverInfo {
     pub max_patch_vertices: i32,
     /// `GL_MAX_TESS_GEN_LEVEL`.
     pub max_tess_level: i32,
-    /// `GL_MAX_TESS_PATCH_COMPONENTS`: numbers that the control stage hands on for one patch.
+    /// `GL_MAX_TESS_PATCH_COMPONENTS`: components that the control stage passes on for one patch.
     pub max_patch_components: i32,
     /// `GL_MAX_TEXTURE_BUFFER_SIZE`: texels of a buffer that shaders fetch from.
     pub max_texel_buffer: i32,
@@ -42,19 +42,19 @@ impl fmt::Display for DriverInfo {
     }
 }
 
-/// A limit of the driver beside what the program needs of it.
+/// A limit of the driver, and the value that the library needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Need {
-    /// What is limited.
+    /// The name of the limit.
     pub what: &'static str,
     /// The driver's limit.
     pub limit: i32,
-    /// The least that will do.
+    /// The minimum that is needed.
     pub needed: i32,
 }
 
 impl DriverInfo {
-    /// Whether the driver draws with the processor itself, and so shares its cores: one of Mesa's.
+    /// Whether the driver draws on the CPU: one of Mesa's software drivers.
     #[must_use]
     pub fn is_software(&self) -> bool {
         ["llvmpipe", "softpipe", "swr"].iter().any(|name| self.renderer.contains(name))
@@ -103,10 +103,10 @@ impl DriverInfo {
         ]
     }
 
-    /// Refuses a driver that has not what is needed.
+    /// Refuses a driver whose limits are too low.
     ///
     /// # Errors
-    /// The first limit that is too low, with what is needed.
+    /// The first limit that is too low, with the minimum that is needed.
     pub fn check(&self) -> Result<()> {
         for Need { what, limit, needed } in self.needs() {
             if limit < needed {

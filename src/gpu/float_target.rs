@@ -6,7 +6,7 @@ use super::framebuffer::Renderbuffer;
 use super::{DriverInfo, Gl, checked_size, create, transfer_plainly};
 use crate::error::{Error, Result};
 
-/// Several pictures of four 32-bit floats a pixel that one drawing fills, and a 32-bit depth.
+/// Several images of four 32-bit floats per pixel that one drawing fills, and a 32-bit depth.
 pub struct FloatTarget {
     gl: Gl,
     raw: glow::Framebuffer,

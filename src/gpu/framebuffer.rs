@@ -39,11 +39,11 @@ impl Framebuffer {
         Self::with_samples(gl, width, height, 1)
     }
 
-    /// A picture whose pixels have several samples, or more where the driver has not so few;
+    /// A picture with `samples` samples per pixel, or more if the driver does not support this number;
     /// [`Framebuffer::read`] averages them.
     ///
     /// # Errors
-    /// As [`Framebuffer::new`], and no sample or more than the driver has
+    /// As [`Framebuffer::new`]; 0 samples, or more than the driver supports
     /// ([`DriverInfo::max_samples`]).
     pub fn with_samples(gl: &Gl, width: u32, height: u32, samples: u32) -> Result<Self> {
         let info = DriverInfo::of(gl);
@@ -119,13 +119,13 @@ impl Framebuffer {
         (self.width, self.height)
     }
 
-    /// Samples a pixel, as asked for.
+    /// Samples per pixel, as asked for.
     #[must_use]
     pub const fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Copies the pixels as they are now, each the average of its samples, to the lower left of what
+    /// Copies the pixels, each the average of its samples, to the lower left of the picture that
     /// the context shows in its window.
     pub fn show(&self) {
         if let Some(resolved) = &self.resolved {
@@ -187,7 +187,7 @@ impl Framebuffer {
         }
     }
 
-    /// The pixels as they are now, first row on top; each the average of its samples.
+    /// The pixels, each the average of its samples, first row on top.
     ///
     /// # Panics
     /// Never: the buffer has the size of the picture.

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use glow::HasContext;
 
-/// An OpenGL context, in the hands of everything that is made with it.
+/// The handle of an OpenGL context. Everything that is made with the context holds a clone of it.
 ///
-/// It stays on its thread, and with it what holds it. A context of `Headless` lives as long as
+/// It cannot leave its thread, and neither can anything that holds it. A context of `Headless` lives as long as
 /// the last thing that was made with it.
 ///
 /// ```compile_fail
@@ -19,7 +19,7 @@ use glow::HasContext;
 #[derive(Clone)]
 pub struct Gl {
     functions: Arc<glow::Context>,
-    /// Keeps the context alive; `None` if that is the caller's part.
+    /// Keeps the context alive; `None` if the caller does.
     _owner: Option<Rc<dyn Any>>,
 }
 
@@ -40,7 +40,7 @@ impl Gl {
         Self { functions: functions.into(), _owner: Some(owner) }
     }
 
-    /// Waits until the driver has done everything that it was told.
+    /// Waits until the driver has finished all calls.
     #[allow(unsafe_code, reason = "calls of OpenGL are unsafe in glow")]
     pub fn finish(&self) {
         // SAFETY: the context is current (see `new`).

@@ -12,18 +12,18 @@ use crate::mesh::{
     Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };
 
-/// A triangle mesh with its place and look, drawn as a smooth surface by either method.
+/// A triangle mesh with its place and paint, drawn as a smooth surface by either method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshModel {
     mesh: Arc<HalfedgeMesh>,
     smoothing: Smoothing,
     /// The corners of a box around the surface, in model space.
     hull: [DVec3; 2],
-    /// The level of all its triangles, instead of what the scene asks for.
+    /// The level of all its triangles, instead of the scene's level or tolerance.
     pub level: Option<TessLevel>,
     /// Model space to world space.
     pub transform: DMat4,
-    /// Colour before lighting; a picture is laid on by the mesh's texture coordinates, and repeats.
+    /// Colour before lighting; a picture is placed by the mesh's texture coordinates, and repeats.
     pub paint: Paint,
     /// Triangles with a paint of their own, one range after the other.
     pub materials: Vec<Material>,
@@ -38,12 +38,12 @@ pub struct Material {
     pub name: String,
     /// Colour before lighting.
     pub paint: Paint,
-    /// The numbers of the triangles.
+    /// The indices of the triangles.
     pub triangles: Range<usize>,
 }
 
 impl MeshModel {
-    /// A mesh that stands as it is, grey and lit.
+    /// A mesh without a transform, grey and lit.
     #[must_use]
     pub fn new(mesh: Mesh, smoothing: Smoothing) -> Self {
         let mesh = Arc::new(HalfedgeMesh::new(mesh));
@@ -66,19 +66,19 @@ impl MeshModel {
         &self.mesh
     }
 
-    /// How they become a smooth surface.
+    /// The smoothing.
     #[must_use]
     pub const fn smoothing(&self) -> Smoothing {
         self.smoothing
     }
 
-    /// Changes how they become one.
+    /// Changes the smoothing.
     pub fn set_smoothing(&mut self, smoothing: Smoothing) {
         self.smoothing = smoothing;
         self.hull = hull(&self.mesh, smoothing);
     }
 
-    /// The corners of a box in model space that holds the surface: the least and the greatest.
+    /// The corners of a box in model space that holds the surface: minimum and maximum.
     #[must_use]
     pub const fn hull(&self) -> [DVec3; 2] {
         self.hull

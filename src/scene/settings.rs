@@ -14,9 +14,9 @@ pub(crate) const CONTROL_POINT_PX: f32 = 7.0;
 pub struct RenderSettings {
     /// Red, green, blue and alpha where nothing is drawn, each 0 … 1.
     pub background: [f32; 4],
-    /// Whose trims and normals the surfaces have.
+    /// The method that decides trims and normals.
     pub method: Method,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: Samples,
     /// How finely patches are cut.
     pub tessellation: Tessellation,
@@ -26,11 +26,11 @@ pub struct RenderSettings {
     pub light: Light,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
-    /// The lines are the report's red, whatever the surface looks like.
+    /// Lines are the report's red instead of the surface's colour.
     pub red_lines: bool,
     /// Control points as blue squares on top.
     pub control_points: bool,
-    /// How the thesis' trimming iterates.
+    /// When Newton's method stops, for the thesis' method.
     pub newton: Newton,
 }
 
@@ -51,12 +51,12 @@ impl Default for RenderSettings {
     }
 }
 
-/// Whose trims and normals a picture has.
+/// The method that decides trims and normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Method {
-    /// The ported one: trims by Newton's method, the listings' normals, with their limits.
+    /// The thesis' method: trims by Newton's method and the listings' normals, with their limits.
     Thesis,
-    /// Trims that are right at every sample, true normals.
+    /// The exact method: trims that are right at every sample, and true normals.
     #[default]
     Exact,
 }
@@ -73,8 +73,8 @@ impl std::str::FromStr for Method {
     }
 }
 
-/// How many parts an edge of a patch is cut into: a whole number from 1 to 64, the most that OpenGL
-/// asks of every driver.
+/// The number of segments of each edge of a patch: an integer from 1 to 64, the maximum that OpenGL
+/// guarantees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TessLevel(u32);
 
@@ -85,7 +85,7 @@ impl TessLevel {
     /// The lowest: patches and triangles stay as they are.
     pub const ONE: Self = Self(1);
 
-    /// A level from a number that may be none.
+    /// A level from an integer.
     ///
     /// # Errors
     /// Anything outside 1 … 64.
@@ -104,13 +104,13 @@ impl TessLevel {
 }
 
 impl Default for TessLevel {
-    /// 32, twice what the thesis calls the least for a detailed surface.
+    /// 32, twice the minimum that the thesis recommends for a detailed surface.
     fn default() -> Self {
         Self(32)
     }
 }
 
-/// The largest distance on the screen between what is drawn and the surface, in pixels: from 0.01 to
+/// The largest distance on the screen between the triangles and the surface, in pixels: from 0.01 to
 /// 100.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Tolerance(f64);
@@ -145,7 +145,7 @@ impl Default for Tolerance {
 /// How finely patches are cut into triangles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tessellation {
-    /// As finely as it takes, edge by edge. The thesis' method has no such thing; it draws
+    /// Each edge as finely as the tolerance needs. The thesis' method does not support this; it draws
     /// [`TessLevel::default`].
     Within(Tolerance),
     /// At one level everywhere.
@@ -153,7 +153,7 @@ pub enum Tessellation {
 }
 
 impl Tessellation {
-    /// The one level, of the thesis' method in any case.
+    /// The level, or the level that the thesis' method draws within a tolerance.
     #[must_use]
     pub fn level(self) -> TessLevel {
         match self {
@@ -191,13 +191,13 @@ impl std::str::FromStr for Normals {
     }
 }
 
-/// Where the two lights stand, on opposite sides of what is drawn, so that both sides of a surface are lit.
+/// The positions of the two lights, on opposite sides of the scene, so that both sides of a surface are lit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Light {
     /// The thesis' lamps: 10 units above and below the world's origin, at y = 10 and y = −10.
     #[default]
     World,
-    /// They go with the camera: one stands to the left of the eye and above it, the other one opposite, both
+    /// They move with the camera: one is to the left of the eye and above it, the other one opposite, both
     /// far away. So a model looks the same at any size and place.
     Camera,
 }
@@ -235,7 +235,7 @@ impl std::str::FromStr for Light {
     }
 }
 
-/// How many samples of a pixel are averaged: a power of two from 1 to 256.
+/// Samples that are averaged per pixel: a power of two from 1 to 256.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Samples(u32);
 
@@ -265,7 +265,7 @@ impl Default for Samples {
     }
 }
 
-/// The axis of a scene that stands upright in the picture when it is framed.
+/// The axis that is vertical in the picture of a scene without a camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum UpAxis {
     /// The y axis.

@@ -42,8 +42,8 @@ pub enum Cull {
     /// Both are drawn.
     #[default]
     None,
-    /// Of a closed surface, patches that wholly show their back are left out: the side from which u
-    /// and v turn clockwise. By the exact method alone.
+    /// Patches that completely show their back are left out, for closed surfaces. The back is the side from which u
+    /// and v turn clockwise. Only the exact method does this.
     Back,
 }
 
@@ -69,7 +69,7 @@ impl Surface {
     /// Patches of 16 or 25 control points (x, y, z, weight), patch after patch.
     ///
     /// # Errors
-    /// No point, a number that is no multiple of the patch size, a point that is not finite, a
+    /// No point, a number that is not a multiple of the patch size, a point that is not finite, a
     /// weight that is not above 0; points count from 0.
     pub fn new(degree: Degree, control_points: Vec<DVec4>) -> Result<Self> {
         if control_points.is_empty() || !control_points.len().is_multiple_of(degree.points()) {
@@ -124,7 +124,7 @@ impl Surface {
         Ok(())
     }
 
-    /// The control points, to be changed to others that are as good.
+    /// The control points, for changes that keep them valid.
     pub(super) fn points_mut(&mut self) -> &mut [DVec4] {
         Arc::make_mut(&mut self.control_points).as_mut_slice()
     }

@@ -25,7 +25,7 @@ use crate::trim::{FillRule, Keep, Segment, TrimLoop, TrimPath, Trims};
 /// Loops of more segments together are written as a path, whose length a scene does not limit.
 const MANY_SEGMENTS: usize = 200;
 
-/// The text of a scene file, and what must stand beside it.
+/// The text of a scene file, and the files that it needs beside it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SceneText {
     /// The file's text.

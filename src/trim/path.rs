@@ -10,7 +10,7 @@ use svgtypes::{PathParser, PathSegment};
 use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_counts, check_finite};
 use crate::error::{Error, Result};
 
-/// How far the cubics of an arc are from it at most, in the unit of the domain. (Radii from about 1e8
+/// The largest distance of the cubics of an arc from it, in the unit of the domain. (Radii from about 1e8
 /// on are too large for `f64` to be that exact.)
 const ARC_TOLERANCE: f64 = 1e-8;
 
@@ -31,8 +31,8 @@ impl Trims {
 
 impl TrimLoop {
     /// The loops of SVG path data in (u, v): every command of SVG, absolute and relative. Arcs become
-    /// cubics that are off by 1e-8 of the domain at most. Each subpath is a loop: as SVG fills them, one that
-    /// does not end where it began is closed by a line, and one without segments is nothing.
+    /// cubics with an error of at most 1e-8 of the domain. Each subpath is a loop: as SVG fills them, one that
+    /// does not end where it began is closed by a line, and one without segments is ignored.
     ///
     /// # Errors
     /// Text that is no path data, with the place of the fault; a path without any segment; a number that is not

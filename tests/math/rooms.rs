@@ -112,13 +112,21 @@ fn paths(text: &str) -> impl Iterator<Item = &str> {
 #[test]
 fn every_file_that_a_document_or_a_comment_names_is_there() {
     let mut texts = Vec::new();
-    for folder in ["src", "glsl"] {
+    for folder in ["src", "glsl", "benches", "examples"] {
         files(&root().join(folder), "", &mut texts);
     }
-    for document in ["README.md", "ARCHITECTURE.md", "docs/drivers.md"] {
-        let text = std::fs::read_to_string(root().join(document)).unwrap();
-        texts.push((document.to_owned(), text));
+    let mut documents = 0;
+    for folder in ["", "docs", "resources"] {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "md") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                texts.push((path.display().to_string(), text));
+                documents += 1;
+            }
+        }
     }
+    assert!(documents >= 6, "{documents}");
     let named: Vec<(&str, &str)> = texts
         .iter()
         .flat_map(|(place, text)| paths(text).map(move |path| (place.as_str(), path)))

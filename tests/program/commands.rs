@@ -1,5 +1,4 @@
 //! The program as a person runs it: what it writes, what it says, and what it leaves alone.
-#![cfg(feature = "cli")]
 
 use std::path::Path;
 use std::process::Command;

@@ -1,5 +1,4 @@
 //! `freeform measure`, the numbers of pixels that `--aov` writes, and what `--tolerance` takes.
-#![cfg(feature = "cli")]
 
 use crate::harness::program::{Folder, SCENE, resource, text};
 

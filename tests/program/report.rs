@@ -1,5 +1,4 @@
 //! `freeform report`: its files, its figures, and what it says when it cannot work.
-#![cfg(feature = "cli")]
 
 use std::process::Command;
 

@@ -3,7 +3,7 @@
 use super::peers::{LIBGLU, STATIC};
 use super::row::{Row, half_a_pixel, trims};
 
-/// The report's first lines, as far as the rows tell.
+/// The first lines of the report, as far as the rows allow conclusions.
 pub(super) fn advice(rows: &[&Row]) -> Vec<String> {
     let mut lines = Vec::new();
     lines.extend(surfaces(rows));
@@ -24,7 +24,7 @@ fn scenes<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<&'a str> {
     names
 }
 
-/// Half a pixel by tolerance against the thesis' best level, scene by scene.
+/// For each scene, an error of half a pixel by tolerance against the thesis' best level.
 fn surfaces(rows: &[&Row]) -> Option<String> {
     let (mut ahead, mut behind, mut unreached) = (Vec::new(), Vec::new(), Vec::new());
     let mut normals = [None::<f64>; 2];
@@ -69,7 +69,7 @@ fn surfaces(rows: &[&Row]) -> Option<String> {
     Some(line + ".")
 }
 
-/// Wrong pixels and time of exact trims and of the thesis' usual Newton iterations.
+/// Wrong pixels and time of exact trims, compared with the thesis' usual Newton iterations.
 fn trimmed(rows: &[&Row]) -> Option<String> {
     let ((wrong, ms), (thesis_wrong, thesis_ms)) =
         (trims(rows, None)?, trims(rows, Some((10, 1e-3)))?);
@@ -80,7 +80,7 @@ fn trimmed(rows: &[&Row]) -> Option<String> {
     ))
 }
 
-/// The nearest way to smooth each mesh, at the finest level that was measured.
+/// For each mesh, the smoothing that comes closest to the ideal surface at the finest measured level.
 fn meshes(rows: &[&Row]) -> Option<String> {
     let of = || {
         let rows = rows.iter().copied().filter(|row| row.section == "triangles");
@@ -101,7 +101,7 @@ fn meshes(rows: &[&Row]) -> Option<String> {
     })
 }
 
-/// How exact stands to each peer at all tolerances, and whether it loses anywhere.
+/// How the exact method compares with each peer at all tolerances, and whether any peer is faster.
 fn losses(rows: &[&Row]) -> Option<String> {
     let of = |method: &'static str| {
         rows.iter().filter(move |row| row.section == "peers" && row.method == method)
@@ -127,7 +127,7 @@ fn losses(rows: &[&Row]) -> Option<String> {
             .then(|| format!("{how} {peer} (share of its time: {})", ratios.join(", ")))
     };
     let stands: Vec<String> = [LIBGLU, STATIC].into_iter().filter_map(stands).collect();
-    // A peer that is not there.
+    // A peer that is not installed.
     let missing = of(LIBGLU).find_map(|row| Some(format!(" {LIBGLU} was {}.", row.note.as_ref()?)));
     (!stands.is_empty()).then(|| {
         let stands = stands.join("; it ");

@@ -15,7 +15,7 @@ use indicatif::ProgressBar;
 use super::bench::{Bench, Wrong};
 use super::triangles;
 
-/// Pixels a unit: two units fill the 300 pixels of a quick report's picture.
+/// Pixels per unit: two units fill the 300 pixels of a quick report's picture.
 const UNIT_PX: f32 = 150.0;
 
 fn bench(sources: Sources, quick: bool) -> Bench {
@@ -81,7 +81,7 @@ fn an_icosahedron_is_as_far_from_its_sphere_as_its_faces() {
     let section = triangles::section(&mut bench(Sources::default(), true)).unwrap();
     let plain = |row: &&super::row::Row| row.scene == "sphere" && row.method == "plain, GPU";
     let row = section.rows.iter().find(plain).unwrap();
-    // The radius of the sphere within is √((5 + 2√5) / 15).
+    // The inscribed sphere has the radius √((5 + 2√5) / 15).
     let expected = 1.0 - ((5.0 + 2.0 * 5_f64.sqrt()) / 15.0).sqrt();
     assert!((row.max_error.unwrap() - expected).abs() < 1e-5, "{row:?}");
     assert_eq!(row.triangles, Some(20));
@@ -105,7 +105,7 @@ fn a_border_that_was_moved_by_three_pixels_is_found_there() {
         "uv = clamp(uv + vec2(0.02, 0.0), 0.0, 0.99999994);",
     );
     let wrong = found(moved);
-    // Three columns of 90 pixels are drawn in the hole, and three are missing beside it.
+    // Three columns of 90 pixels are drawn inside the hole, and three columns beside it are missing.
     assert_eq!(wrong, Wrong { pixels: 6 * 90, distance: Some(3.0) });
 }
 

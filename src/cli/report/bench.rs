@@ -1,4 +1,4 @@
-//! Where things are measured: a context, its targets, and the folder of scenes.
+//! The measuring bench of the report: a context, its targets, and the folder of scenes.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -23,25 +23,25 @@ pub(super) struct Bench {
     picture: Framebuffer,
     numbers: FloatTarget,
     renderer: Renderer,
-    /// With shaders that cut nothing.
+    /// A renderer whose shaders do not cut trims.
     uncut: Renderer,
-    /// The device's clock, where it is not the processor itself.
+    /// The device's clock; `None` if the driver draws on the processor.
     timer: Option<Timer>,
     context: Headless,
     pub(super) size: (u32, u32),
-    /// Times that things are done to find the median of what they take.
+    /// The number of repetitions from which the median is taken.
     pub(super) turns: usize,
     pub(super) quick: bool,
     resources: PathBuf,
     bar: ProgressBar,
 }
 
-/// Pixels that trims decide wrongly.
+/// Pixels for which the trim decision is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Wrong {
     pub(super) pixels: usize,
-    /// From the furthest of them to the nearest pixel on the other side of the border, in pixels; 0 if there
-    /// are none; `None` if there is no border in the picture.
+    /// The largest distance of a wrong pixel from the nearest pixel on the other side of the border, in pixels.
+    /// It is 0 if no pixel is wrong, and `None` if the picture has no border.
     pub(super) distance: Option<f64>,
 }
 
@@ -91,13 +91,13 @@ impl Bench {
         Ok(())
     }
 
-    /// The driver, for the report's first lines.
+    /// The driver, for the first lines of the report.
     pub(super) fn driver(&self) -> String {
         let info = self.context.info();
         format!("{}, OpenGL {}", info.renderer, info.version)
     }
 
-    /// The clock that times are taken from, for the report's first lines.
+    /// The clock that measures the times, for the first lines of the report.
     pub(super) const fn clock(&self) -> &'static str {
         match self.timer {
             None => "the wall clock around a finished frame",
@@ -108,13 +108,13 @@ impl Bench {
         }
     }
 
-    /// Says how many things a section is going to do.
+    /// Announces the number of steps of a section.
     pub(super) fn begin(&self, steps: usize) {
         self.bar.set_length(steps as u64);
         self.bar.set_position(0);
     }
 
-    /// Says what is being done.
+    /// Announces the current step.
     pub(super) fn step(&self, what: impl Into<String>) {
         self.bar.set_message(what.into());
         self.bar.inc(1);
@@ -129,13 +129,13 @@ impl Bench {
         Ok(Scene::load(&self.path(name))?)
     }
 
-    /// The command that measures a section again.
+    /// The command that repeats the measurements of a section.
     pub(super) fn report_command(&self, section: &str) -> String {
         let quick = if self.quick { " --quick" } else { "" };
         format!("freeform report --only {section}{quick}")
     }
 
-    /// The command that measures a scene in such a picture by hand.
+    /// The command that measures a scene by hand in a picture of this size.
     pub(super) fn command(&self, scene: &str, options: &str) -> String {
         let (width, height) = self.size;
         format!("freeform measure {scene} {options} --resolution {width}x{height}")
@@ -157,9 +157,9 @@ impl Bench {
         })
     }
 
-    /// The times of frames that `draw` draws by their number. On drivers that share the processor's cores this
-    /// is the wall clock around a finished frame; on others the longer of what the processor and the
-    /// device take for it, since they work side by side.
+    /// The times of frames; `draw` receives the frame's number. On drivers that share the processor's cores,
+    /// this is the wall-clock time until the frame is finished. On others it is the longer of the processor's
+    /// and the device's time for the frame, since they work in parallel.
     pub(super) fn time_frames(
         &mut self,
         count: usize,
@@ -196,20 +196,20 @@ impl Bench {
         Ok((aovs, prepared.stats()))
     }
 
-    /// The same through shaders that cut nothing.
+    /// The AOVs of a scene's picture through shaders that do not cut trims.
     fn uncut(&mut self, scene: &Scene) -> Result<Aovs> {
         let frame = self.frame(scene);
         Ok(self.prepare(scene)?.aovs(&mut self.uncut, &self.numbers, &frame)?)
     }
 
-    /// How far what is drawn of a scene is from its surfaces, and what was drawn.
+    /// The errors of a scene's picture, and the statistics of its frame.
     pub(super) fn errors(&mut self, scene: &Scene) -> Result<(Measurement, FrameStats)> {
         let (aovs, stats) = self.numbers(scene)?;
         let projection = self.frame(scene).camera;
         Ok((measure_drawn(scene, &projection, &aovs), stats))
     }
 
-    /// The same, and what is missing or too much.
+    /// The same, including pixels that are missing or should not be drawn.
     pub(super) fn errors_and_silhouette(
         &mut self,
         scene: &Scene,
@@ -221,14 +221,14 @@ impl Bench {
         Ok((measure(scene, &projection, &aovs, &coverage), stats))
     }
 
-    /// The pixels that the trims of a scene of one surface decide wrongly: what they say in `f64` of the
-    /// place that a pixel shows, against whether it is drawn.
+    /// The pixels of a scene of one surface whose trim decision is wrong. The correct decision is that of the
+    /// trims in `f64` at the (u, v) that the pixel shows. It is compared with whether the pixel is drawn.
     ///
-    /// Of what is not drawn, the place is that of the same triangles through shaders that cut nothing, also
-    /// where something else shows behind it. What is missing there too was left out by the processor, as wholly
-    /// cut; it is wrong if without
-    /// trims it and all pixels around it are kept (alone it may be the triangles': without trims others
-    /// are drawn, up to the tolerance away).
+    /// For a pixel that is cut, (u, v) comes from the same triangles drawn with shaders that do not cut. This
+    /// also applies where something else shows through the cut. If the pixel is missing there too, the
+    /// processor has left out its sub-patch as wholly cut. This is wrong if, in a picture without trims, the
+    /// pixel and all pixels around it are kept. One such pixel alone may be due to the triangles: without trims
+    /// the triangles are different, and lie up to the tolerance away.
     pub(super) fn wrong(&mut self, scene: &Scene) -> Result<Wrong> {
         let trims = &scene.surfaces[0].trims;
         let keeps = |[u, v, _, drawn]: &[f32; 4]| {
@@ -238,7 +238,7 @@ impl Bench {
         let (left, all) = (self.numbers(scene)?.0, self.uncut(scene)?);
         let (mut drawn, uncut) = (kept(&left), kept(&all));
         for (drawn, (left, all)) in drawn.iter_mut().zip(left.uv.iter().zip(&all.uv)) {
-            // Behind what is cut shows something else.
+            // Behind the cut, the pixel shows something else.
             drawn.take_if(|_| left.iter().zip(all).any(|(a, b)| (a - b).abs() > 1e-3));
         }
         let mut untrimmed = scene.clone();
@@ -247,17 +247,17 @@ impl Bench {
         Ok(wrong(&Kept { drawn, uncut, whole, width: self.size.0 as usize }))
     }
 
-    /// The functions of the context, for objects of a section's own.
+    /// The functions of the context, for objects that a section makes itself.
     pub(super) fn gl(&self) -> Gl {
         self.context.gl().clone()
     }
 
-    /// A scene in the driver's memory.
+    /// A scene uploaded to the driver's memory.
     pub(super) fn prepare(&self, scene: &Scene) -> Result<PreparedScene> {
         Ok(PreparedScene::new(&self.renderer, scene)?)
     }
 
-    /// How far static triangles are from the surfaces of the scene that they stand for.
+    /// How far static triangles are from the surfaces of the scene that they replace.
     pub(super) fn static_errors(
         &mut self,
         mesh: &StaticMesh,
@@ -284,8 +284,8 @@ impl Bench {
         Ok(self.picture.read())
     }
 
-    /// Fails if the driver complained of anything since it was asked last: it may have drawn nothing, and
-    /// that quickly.
+    /// Fails if the driver has reported an error since the last call. It may then have drawn nothing, and its
+    /// times would be too short.
     pub(super) fn check_driver(&self) -> Result<()> {
         match self.context.debug_log().take_errors().into_iter().next() {
             None => Ok(()),
@@ -294,8 +294,8 @@ impl Bench {
     }
 }
 
-/// A camera that turns to and fro, by an eighth of a degree from frame to frame: every frame has another
-/// view, and what is seen stays in the picture.
+/// A camera that turns back and forth by an eighth of a degree per frame. Every frame has another view, and the
+/// visible part stays in the picture.
 #[derive(Debug, Clone)]
 pub(super) struct Moving {
     start: Frame,
@@ -303,7 +303,7 @@ pub(super) struct Moving {
 }
 
 impl Moving {
-    /// Frames in one direction.
+    /// Number of frames in one direction.
     const WAY: u32 = 8;
 
     pub(super) const fn new(start: Frame) -> Self {
@@ -321,13 +321,14 @@ impl Moving {
     }
 }
 
-/// Of each pixel whether the trims keep the place that it shows, in `f64`; none where nothing is.
+/// For each pixel, whether the trims keep the (u, v) that it shows, decided in `f64`; `None` where nothing is
+/// drawn.
 struct Kept {
-    /// As it is drawn.
+    /// For the picture as it is drawn.
     drawn: Vec<Option<bool>>,
-    /// The same triangles without cuts in the shaders.
+    /// For the same triangles through shaders that do not cut trims.
     uncut: Vec<Option<bool>>,
-    /// Without trims.
+    /// For the scene without trims.
     whole: Vec<Option<bool>>,
     width: usize,
 }
@@ -345,7 +346,7 @@ fn wrong(Kept { drawn, uncut, whole, width }: &Kept) -> Wrong {
             .all(|near| whole[near] == Some(decision))
     };
     let place = |i: usize| DVec2::new((i % width) as f64, (i / width) as f64);
-    // Pixels beside a border, by which side of it they are on.
+    // The pixels next to a border, by the side of it that they are on.
     let beside = |decision: bool| -> Vec<DVec2> {
         let own = (0..whole.len()).filter(|i| whole[*i] == Some(decision));
         own.filter(|i| !all_around(*i, decision)).map(place).collect()
@@ -367,7 +368,7 @@ fn wrong(Kept { drawn, uncut, whole, width }: &Kept) -> Wrong {
     all
 }
 
-/// Where two pictures differ by more than a shade, in red; elsewhere the first, paler.
+/// Marks in red where two pictures differ by more than a shade; elsewhere shows the first picture, paler.
 pub(super) fn difference(a: &Image, b: &Image) -> Image {
     let mut image = a.clone();
     for (pixel, other) in image.pixels_mut().zip(b.pixels()) {
@@ -401,7 +402,7 @@ mod tests {
 
     #[test]
     fn a_border_that_was_moved() {
-        // Of ten columns 0 … 4 are kept.
+        // Of every ten columns, columns 0 to 4 are kept.
         let whole: Vec<_> = (0..30).map(|i| Some(i % 10 < 5)).collect();
         let drawn = |columns: usize| (0..30).map(move |i| (i % 10 < columns).then_some(i % 10 < 5));
         let found = |columns| {

@@ -1,4 +1,4 @@
-//! The report as one page that needs nothing else.
+//! The report as one self-contained page.
 
 use std::io::Cursor;
 
@@ -26,10 +26,10 @@ figure { margin: 0 } figcaption { font-size: .8rem; overflow-wrap: anywhere }
 @media print { .scroll { overflow: visible } table { font-size: 5pt } .by-hand { display: none } }
 ";
 
-/// A value of a row as a cell shows it.
+/// The text of a table's cell, if the row has the value.
 type Cell = fn(&Row) -> Option<String>;
 
-/// The columns of tables: title, and what a cell says if the row has it.
+/// The columns of the tables: the title, and the text of a row's cell.
 const COLUMNS: [(&str, Cell); 20] = [
     ("scene", |row| Some(row.scene.clone())),
     ("method", |row| Some(row.method.clone())),
@@ -59,7 +59,7 @@ pub(super) struct Head {
     pub(super) version: String,
     pub(super) driver: String,
     pub(super) machine: String,
-    /// The clock that times are taken from.
+    /// The clock that measures the times.
     pub(super) clock: &'static str,
     pub(super) size: (u32, u32),
     pub(super) summary: Vec<String>,
@@ -69,7 +69,7 @@ pub(super) struct Head {
 /// The whole page.
 ///
 /// # Errors
-/// A picture that cannot be encoded.
+/// A picture cannot be encoded.
 pub(super) fn page(head: &Head, sections: &[Section]) -> Result<String> {
     let mut bodies = Vec::new();
     for section in sections {
@@ -137,7 +137,7 @@ fn body(section: &Section) -> Result<Markup> {
     })
 }
 
-/// A table of the columns that some row has.
+/// A table with the columns for which at least one row has a value.
 fn table(rows: &[Row]) -> Markup {
     let columns: Vec<_> =
         COLUMNS.iter().filter(|(_, cell)| rows.iter().any(|row| cell(row).is_some())).collect();
@@ -158,7 +158,7 @@ fn table(rows: &[Row]) -> Markup {
     }
 }
 
-/// A plot that shrinks with the page and says what it shows to those who do not see it.
+/// A plot that scales down with the page and has a label for screen readers.
 fn responsive(svg: &str, title: &str) -> String {
     let label = html! { (title) }.into_string();
     svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)

@@ -1,4 +1,5 @@
-//! Section 6: the same view by others: libGLU's NURBS tessellator, and a static mesh as the floor.
+//! Section 6: the same view drawn by other means: libGLU's NURBS tessellator, and a static mesh as the lower
+//! bound of the cost.
 
 mod glu;
 
@@ -18,7 +19,7 @@ use super::plot::{Line, plot};
 use super::row::Row;
 use glu::{Glu, Patches};
 
-/// Pixels of the view.
+/// Size of the view in pixels.
 const SIZE: (u32, u32) = (1920, 1080);
 pub(super) const SCENE: &str = "teapot";
 pub(super) const LIBGLU: &str = "libGLU";
@@ -77,7 +78,7 @@ fn measure(bench: &mut Bench, section: &mut Section) -> Result<()> {
     Ok(())
 }
 
-/// All methods and peers that draw within one tolerance, measured in turns.
+/// All methods and peers that stay within one tolerance, measured alternately.
 fn rows(
     bench: &mut Bench,
     scene: &Scene,
@@ -144,7 +145,7 @@ fn fill(
     size: (u32, u32),
     tolerance: f64,
 ) -> Result<()> {
-    // It switches on and off what only old contexts have, though it draws nothing.
+    // The library draws nothing, but it enables and disables state that only old contexts have.
     let made =
         DebugLog::unheard(gl, move || glu.tessellate(patches, &frame.camera, size, tolerance));
     let made =
@@ -152,7 +153,7 @@ fn fill(
     Ok(mesh.replace(&made.vertices, &made.indices)?)
 }
 
-/// The triangles that a frame draws, each corner of a patch once.
+/// The triangles that a frame draws, indexed so that each vertex of a patch occurs once.
 fn indexed(corners: &[DrawnVertex], view: DMat4) -> (Vec<StaticVertex>, Vec<u32>) {
     let to_world = view.inverse();
     let mut numbers = HashMap::new();
@@ -175,7 +176,7 @@ fn indexed(corners: &[DrawnVertex], view: DMat4) -> (Vec<StaticVertex>, Vec<u32>
     (vertices, indices)
 }
 
-/// How the exact frame stands to the others at half a pixel.
+/// How the frame of the exact method compares with the others at half a pixel.
 fn findings(rows: &[Row]) -> Vec<String> {
     let at_half = |name: &str| {
         let mut of = rows.iter().filter(|row| row.method == name && row.tolerance == Some(0.5));

@@ -1,16 +1,16 @@
-//! Plots as SVG, their axes logarithmic.
+//! Plots as SVG with logarithmic axes.
 
 use crate::io::{Error, Result};
 use plotters::prelude::*;
 
-/// Points that belong together.
+/// The points of one line of a plot.
 #[derive(Debug, Clone)]
 pub(super) struct Line {
     pub(super) name: String,
     pub(super) points: Vec<(f64, f64)>,
 }
 
-/// Colours that can be told apart, also without seeing red or green.
+/// Colours that people with red-green colour blindness can tell apart.
 const COLORS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -20,11 +20,11 @@ const COLORS: [RGBColor; 6] = [
     RGBColor(120, 120, 120),
 ];
 
-/// Lines over two logarithmic axes; points that are not above 0 are left out. `mark` is a level of the
-/// second axis to be drawn across.
+/// Lines over two logarithmic axes. Points that are not above 0 are left out. `mark` is a value of the second
+/// axis at which a line is drawn across the plot.
 ///
 /// # Errors
-/// Nothing to plot.
+/// There is nothing to plot.
 pub(super) fn plot(
     x_title: &str,
     y_title: &str,

@@ -4,7 +4,7 @@ use freeform_surface::Method;
 use freeform_surface::inspect::measure::{Measurement, Timing};
 use serde::Serialize;
 
-/// A spread above this share of the median is pointed out.
+/// The report points out a spread above this share of the median.
 pub(super) const NOISY: f64 = 0.2;
 
 /// One measurement. Fields that do not apply are `None`; in JSON they are null, and so are infinite values.
@@ -20,20 +20,20 @@ pub(super) struct Row {
     pub(super) segments: Option<usize>,
     pub(super) patches: Option<usize>,
     pub(super) ms: Option<f64>,
-    /// The distance between the quartiles of the times, over the median.
+    /// The interquartile range of the times, divided by the median.
     pub(super) spread: Option<f64>,
     pub(super) triangles: Option<u64>,
     pub(super) max_error_px: Option<f64>,
     pub(super) rms_error_px: Option<f64>,
     pub(super) normal_error_deg: Option<f64>,
     pub(super) wrong_pixels: Option<usize>,
-    /// In pixels, from the furthest wrong pixel to the border that it is on the wrong side of.
+    /// The distance of the furthest wrong pixel from the border that it is on the wrong side of, in pixels.
     pub(super) max_wrong_distance: Option<f64>,
-    /// Pixels along the silhouette that are drawn and should not be, or the other way round.
+    /// Pixels along the silhouette that are wrongly drawn or wrongly missing.
     pub(super) silhouette_pixels: Option<usize>,
-    /// The largest distance from the ideal surface in the model's units.
+    /// The largest distance from the ideal surface, in the model's units.
     pub(super) max_error: Option<f64>,
-    /// Bytes that the process grew by.
+    /// The bytes by which the process grew.
     pub(super) memory: Option<u64>,
     /// The error, in words.
     pub(super) note: Option<String>,
@@ -64,8 +64,9 @@ impl Row {
     }
 }
 
-/// Wrong pixels and milliseconds of all trimmed figures together, by the exact method or with a number of
-/// iterations and this epsilon. Figures of lines are not counted, pictures of defects not timed.
+/// The wrong pixels and milliseconds of all trimmed figures together, by the exact method (`None`) or by
+/// Newton's method with this number of iterations and this epsilon. Figures drawn as lines have no pixel count
+/// and pictures of defects have no time, so both are left out.
 pub(super) fn trims(rows: &[&Row], newton: Option<(u32, f64)>) -> Option<(usize, f64)> {
     let mut sum = None;
     for row in rows
@@ -80,8 +81,8 @@ pub(super) fn trims(rows: &[&Row], newton: Option<(u32, f64)>) -> Option<(usize,
     sum
 }
 
-/// Half a pixel of a scene: the exact method with that tolerance, and the fastest level of the thesis that
-/// was measured to hold it.
+/// The rows of a scene for an error of half a pixel: the exact method with that tolerance, and the fastest of
+/// the thesis' levels whose measured error stays within it.
 pub(super) fn half_a_pixel<'a>(rows: &[&'a Row], scene: &str) -> [Option<&'a Row>; 2] {
     let here = || {
         let rows = rows.iter().copied();

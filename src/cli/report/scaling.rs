@@ -64,19 +64,19 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-/// The power of the size that the time between two points grows as.
+/// The exponent with which time grows with size between two points.
 fn slope(a: (f64, f64), b: (f64, f64)) -> f64 {
     (b.1 / a.1).ln() / (b.0 / a.0).ln()
 }
 
-/// Bytes of memory that the process holds now, from where its most is counted anew; where the system
-/// tells (Linux).
+/// Resets the process' memory peak and returns the new peak: the bytes that the process holds now. Only Linux
+/// reports it.
 fn memory_from_here() -> Option<u64> {
     std::fs::write("/proc/self/clear_refs", "5").ok()?;
     most_memory()
 }
 
-/// The most bytes of memory that the process held since then.
+/// The process' memory peak in bytes since the last reset.
 fn most_memory() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
@@ -117,7 +117,7 @@ fn of_segments(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     Ok((timing, Row { segments: Some(count), ..Row::new("scaling", "trim segments", "exact") }))
 }
 
-/// Neighbours and one step of a torus of about `count` triangles.
+/// Finds the neighbours of a torus of about `count` triangles and smooths it by one step.
 fn of_triangles(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
     let mesh = torus((count / 2).isqrt())?;
     let triangles = mesh.triangles().len();
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn memory_is_counted_at_its_most() {
         let Some(before) = memory_from_here() else { return };
-        // Every page of it is written, then all of it goes.
+        // Every page of the block is written, then the block is freed.
         drop(std::hint::black_box(vec![1_u8; 64 << 20]));
         let grown = most_memory().unwrap() - before;
         assert!((60 << 20..100 << 20).contains(&grown), "{grown}");

@@ -11,13 +11,14 @@ use super::bench::{Bench, Wrong};
 use super::row::{Row, name};
 use super::{Figure, Section};
 
-/// Pixels that cases are measured in: the f64 answers of the largest take their time.
+/// Size in pixels of the pictures in which cases are measured. It is small because the `f64` reference of the
+/// largest cases is slow.
 const SIZE: (u32, u32) = (300, 180);
 /// Width of the small pictures.
 const THUMBNAIL: u32 = 200;
-/// A picture that is further off than this is wrong, whatever level was asked for.
+/// A picture whose error is larger than this is wrong, whatever level was requested.
 const FAR_PX: f64 = 0.5;
-/// So is one whose normals are turned further.
+/// A picture whose normals are turned by more than this is wrong too.
 const TURNED_DEG: f64 = 15.0;
 
 pub(super) fn section(bench: &mut Bench) -> Result<Section> {
@@ -60,7 +61,7 @@ fn measure(bench: &mut Bench, section: &mut Section) -> Result<()> {
     Ok(())
 }
 
-/// In how many cases nothing went wrong, by each method, and in which of them something did by exact.
+/// The number of cases without a fault for each method, and the cases in which the exact method has one.
 fn findings(rows: &[Row]) -> Vec<String> {
     let of = |method: &str| {
         let rows: Vec<&Row> = rows.iter().filter(|row| row.method == method).collect();
@@ -88,7 +89,7 @@ fn findings(rows: &[Row]) -> Vec<String> {
     findings
 }
 
-/// How the rows of meshes call their method.
+/// The name of the method in rows of meshes.
 const MESHES: &str = "smooth triangles";
 
 /// Cases of a quick report: one of each kind.
@@ -102,7 +103,7 @@ const QUICK: [&str; 7] = [
     "trim-sliver",
 ];
 
-/// The scenes of the folder by name, but those that are there to be refused.
+/// The scenes of the folder by name, except those that exist to be refused.
 fn cases(bench: &Bench) -> Result<Vec<(String, PathBuf)>> {
     let folder = bench.path("scenes/stability");
     let fail = |error: std::io::Error| crate::io::Error::file("read", folder.clone(), error);
@@ -133,7 +134,8 @@ fn row_of(
         section.rows.push(Row { note: Some(format!("refused: {error}")), ..row });
         return Ok(());
     }
-    // The border of trims is compared by their own answers, which are sharper than a silhouette's.
+    // Trim borders are compared with the decision of the trims themselves, which is sharper than a comparison
+    // of silhouettes.
     let row = if case.starts_with("trim-") && scene.surfaces.len() == 1 {
         let wrong = bench.wrong(scene)?;
         Row {
@@ -196,7 +198,7 @@ fn note_of_trims(Wrong { pixels, distance }: Wrong) -> Option<String> {
     (pixels > 0).then(|| format!("{pixels} wrong pixels, {how_far}"))
 }
 
-/// The faults of a surface in words; `unmet` is the error if a tolerance is not met.
+/// The faults of a surface in words; `unmet` is the remaining error if the tolerance is not met.
 fn note_of(errors: &Measurement, unmet: Option<f64>) -> Option<String> {
     let mut notes = Vec::new();
     if let Some(unmet) = unmet {

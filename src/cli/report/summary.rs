@@ -1,4 +1,4 @@
-//! The report on half a page, for a README: a table in Markdown.
+//! The report shortened to half a page for a README: a table in Markdown.
 
 use std::fmt::Write as _;
 
@@ -6,8 +6,8 @@ use super::page::Head;
 use super::peers::{LIBGLU, STATIC};
 use super::row::{Row, half_a_pixel, trims};
 
-/// The teapot to half a pixel by every method and peer, and the trims of the thesis' figures 22–25, as far as
-/// the rows tell.
+/// Every method and peer for the teapot at an error of half a pixel, and the trims of the thesis' figures
+/// 22–25, as far as the rows contain them.
 pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
     let mut text = format!(
         "Measured by `freeform report` {} on {}, {}.\n\n\

@@ -113,7 +113,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-/// For each scene what half a pixel costs by tolerance and by the thesis' best level.
+/// For each scene, the cost of an error of half a pixel: by tolerance, and by the thesis' best level.
 fn findings(rows: &[Row]) -> Vec<String> {
     let rows: Vec<&Row> = rows.iter().collect();
     let cost = |row: &Row| {

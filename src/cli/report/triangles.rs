@@ -1,4 +1,4 @@
-//! Section 3: smoothed meshes against the sphere and the torus that they stand for.
+//! Section 3: smoothed meshes against the sphere and the torus that they approximate.
 
 use crate::io::Result;
 use freeform_surface::inspect::DrawnVertex;
@@ -48,7 +48,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         let (mut over_time, mut over_triangles) = (Vec::new(), Vec::new());
         for (way, smoothing) in ways {
             let mut scenes = Vec::new();
-            // A mesh without smoothing is the same at every level.
+            // Without smoothing, a mesh is the same at every level.
             let levels = if smoothing == Smoothing::None { &levels[..1] } else { levels };
             for level in levels {
                 scenes.push(scene(&mesh, smoothing, *level)?);
@@ -132,8 +132,8 @@ fn largest(corners: &[DVec3], distance: Distance) -> f64 {
     corners.iter().copied().chain(centroids).map(distance).fold(0.0, f64::max)
 }
 
-/// How much nearer the smooth surfaces are than the plain mesh, at the finest level of each: coarser
-/// ones may happen to come nearer, where their corners are.
+/// How much closer the smooth surfaces are than the plain mesh, each at its finest level. A coarser level may
+/// come out closer only because of where its corners lie.
 fn finding(rows: &[Row], shape: &str) -> Option<String> {
     let finest = |way: &str| {
         let rows =
@@ -163,7 +163,7 @@ mod tests {
             torus(DVec3::new(1.4, 0.0, 0.0)) < 1e-15 && torus(DVec3::new(0.0, 0.4, -1.0)) < 1e-15
         );
         assert!((torus(DVec3::new(1.0, 0.0, 0.0)) - 0.4).abs() < 1e-15);
-        // Of a flat triangle on the sphere the centroid is further off than the corners.
+        // For a flat triangle with its corners on the sphere, the centroid is further off than the corners.
         let flat = [DVec3::X, DVec3::Y, DVec3::Z];
         assert!((largest(&flat, sphere) - (1.0 - 1.0 / 3.0_f64.sqrt())).abs() < 1e-12);
     }

@@ -1,4 +1,4 @@
-//! Section 2: what trims decide wrongly and cost, and the thesis' claims about Newton's method.
+//! Section 2: wrong decisions and cost of trims, and the thesis' claims about Newton's method.
 
 use crate::io::Result;
 use freeform_surface::{Method, Newton, Scene};
@@ -46,7 +46,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
     Ok(section)
 }
 
-/// The rows of one figure: exact, and the thesis with all iterations and all epsilons.
+/// The rows of one figure: the exact method, and the thesis' with all numbers of iterations and all epsilons.
 fn rows_of(bench: &mut Bench, figure: u32, section: &mut Section) -> Result<()> {
     let scene = bench.scene(&path(figure))?;
     let usual = Newton::default();
@@ -97,7 +97,7 @@ fn rows_of(bench: &mut Bench, figure: u32, section: &mut Section) -> Result<()> 
     Ok(())
 }
 
-/// A defect of the thesis beside the exact picture, and where they differ.
+/// A defect of the thesis, the exact picture beside it, and the difference of the two.
 fn pictures_of(bench: &mut Bench, figure: u32, section: &mut Section) -> Result<()> {
     let thesis = bench.scene(&path(figure))?;
     let exact = with(&thesis, Method::Exact, thesis.settings.newton);
@@ -128,7 +128,7 @@ fn pictures_of(bench: &mut Bench, figure: u32, section: &mut Section) -> Result<
     Ok(())
 }
 
-/// The thesis' claims about its method, and what the rows say to them.
+/// The thesis' claims about its method, and the verdict of the rows on each.
 fn claims(rows: &[Row]) -> Vec<String> {
     let rows: Vec<&Row> = rows.iter().collect();
     let mut findings = Vec::new();
@@ -143,7 +143,7 @@ fn claims(rows: &[Row]) -> Vec<String> {
         let list = by_iterations.join(", ");
         findings.push(format!("Wrong pixels there by the thesis' iterations: {list}."));
     }
-    // Whether more effort leaves fewer wrong pixels by more than a twentieth decides.
+    // More effort counts as better if it leaves fewer wrong pixels by more than a twentieth.
     let compare = |claim: &str, [few, many]: [(u32, f64); 2], holds_if_better: bool| {
         let ((few_wrong, few_ms), (many_wrong, many_ms)) =
             (trims(&rows, Some(few))?, trims(&rows, Some(many))?);

@@ -1,5 +1,5 @@
-//! libGLU's NURBS tessellator: patches in, triangles within an error on the screen out, through callbacks
-//! (`GLU_NURBS_TESSELLATOR`).
+//! libGLU's NURBS tessellator (`GLU_NURBS_TESSELLATOR`). It takes patches and returns, through callbacks,
+//! triangles within an error on the screen.
 #![allow(unsafe_code, reason = "a C library that is loaded while the program runs")]
 
 use std::ffi::{c_float, c_int, c_uint, c_void};
@@ -30,7 +30,7 @@ type NurbsSurface = unsafe extern "C" fn(
     c_uint,
 );
 
-// The names and numbers of GL/glu.h and GL/gl.h.
+// The constants of GL/glu.h and GL/gl.h.
 const GLU_NURBS_MODE: c_uint = 100_160;
 const GLU_NURBS_TESSELLATOR: c_float = 100_161.0;
 const GLU_AUTO_LOAD_MATRIX: c_uint = 100_200;
@@ -52,10 +52,11 @@ const GL_MAP2_VERTEX_3: c_uint = 0x0DB7;
 const GL_TRIANGLES: c_uint = 4;
 const GL_TRIANGLE_FAN: c_uint = 6;
 
-/// The last error that the library called; 0 if none. Its callback knows of no tessellator.
+/// The last error that the library reported; 0 if none. It is global because the error callback does not
+/// receive the tessellator.
 static ERROR: AtomicU32 = AtomicU32::new(0);
 
-/// The functions that make triangles, with their library.
+/// The functions that make triangles, and the library that they belong to.
 struct Functions {
     property: Property,
     callback_data: WithData,
@@ -70,19 +71,19 @@ struct Functions {
     _library: Library,
 }
 
-/// A tessellator with the triangles that it made last.
+/// A tessellator with the triangles that it last made.
 pub(super) struct Glu {
     nurbs: Nurbs,
     functions: Functions,
     made: Triangles,
 }
 
-/// The triangles that the callbacks gather.
+/// The triangles that the callbacks collect.
 #[derive(Debug, Default)]
 pub(super) struct Triangles {
     pub(super) vertices: Vec<StaticVertex>,
     pub(super) indices: Vec<u32>,
-    /// Of the primitive that is being made.
+    /// The mode of the primitive in progress.
     mode: c_uint,
     first: usize,
     normal: [f32; 3],
@@ -90,10 +91,10 @@ pub(super) struct Triangles {
     patch: u32,
 }
 
-/// The patches of a scene as the library reads them.
+/// The patches of a scene in the library's layout.
 #[derive(Debug)]
 pub(super) struct Patches {
-    /// World space, x, y and z; points along u follow one another.
+    /// World space, x, y and z; u varies fastest.
     points: Vec<[c_float; 3]>,
     side: usize,
 }
@@ -102,7 +103,7 @@ impl Patches {
     /// The patches of a scene's surfaces.
     ///
     /// # Errors
-    /// Surfaces that are rational, or of several degrees: for the simple calls made here they must not be.
+    /// Surfaces are rational or of several degrees; the simple calls made here do not support this.
     pub(super) fn of(scene: &Scene) -> Result<Self, String> {
         let side = scene.surfaces.first().map_or(Degree::Cubic, Surface::degree).side();
         let mut points = Vec::new();
@@ -126,11 +127,12 @@ impl Glu {
     /// Loads the library.
     ///
     /// # Errors
-    /// It is not installed, or lacks something: why, in words.
+    /// The library is not installed or lacks a function; the text gives the reason.
     pub(super) fn load() -> Result<Self, String> {
         let fail = |error: libloading::Error| error.to_string();
-        // SAFETY: the library is a C library without initialisers that matter to us; its functions have
-        // the types of GL/glu.h and stay as long as it, which is as long as the tessellator.
+        // SAFETY: the library is a C library whose initialisers have no effect that matters here. Its functions
+        // have the types of GL/glu.h and stay valid as long as the library is loaded, which is as long as the
+        // tessellator exists.
         unsafe {
             let library = Library::new("libGLU.so.1").map_err(fail)?;
             macro_rules! function {
@@ -183,7 +185,7 @@ impl Glu {
     /// The triangles of patches for a camera and a size in pixels, with an error of at most `tolerance` pixels.
     ///
     /// # Errors
-    /// The error number of the library.
+    /// The library reports an error; the text contains its number.
     pub(super) fn tessellate(
         &mut self,
         patches: &Patches,
@@ -198,10 +200,10 @@ impl Glu {
         self.made.indices.clear();
         ERROR.store(0, Ordering::Relaxed);
         let (nurbs, call) = (self.nurbs, &self.functions);
-        // Until the last call all access is through this one, which the callbacks share.
+        // Until the last call, all access is through this pointer, which the callbacks share.
         let made: *mut Triangles = &raw mut self.made;
-        // SAFETY: matrices and the viewport are as long as the library reads; it calls back on this
-        // thread, with `made`, within the calls of `surface`.
+        // SAFETY: the matrices and the viewport have the lengths that the library reads. It calls back on this
+        // thread, with `made`, only within the calls of `patch`.
         unsafe {
             (call.callback_data)(nurbs, made.cast());
             (call.load_matrices)(nurbs, view.as_ptr(), to_clip.as_ptr(), viewport.as_ptr());
@@ -220,13 +222,13 @@ impl Glu {
 }
 
 impl Functions {
-    /// Makes the triangles of one patch, x, y and z of whose control points are given.
+    /// Makes the triangles of one patch from the x, y and z of its control points.
     ///
     /// # Safety
-    /// The tessellator lives, and has data that its callbacks can write to.
+    /// The tessellator exists, and its callbacks can write to its data.
     unsafe fn patch(&self, nurbs: Nurbs, points: &[c_float], side: usize) {
         let mut points = points.to_vec();
-        // A Bézier patch's knots: all of them at its two ends.
+        // The knots of a Bézier patch: all of them are at its two ends.
         let mut knots = [0.0; 10];
         knots[side..].fill(1.0);
         let mut ends = [0.0, 0.0, 1.0, 1.0];
@@ -234,8 +236,8 @@ impl Functions {
         // Counter-clockwise around the domain.
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0_f32]];
         let n = side as c_int;
-        // SAFETY: all arrays have the lengths that the numbers beside them tell, and outlive the calls
-        // that read them, of which `end_surface` is the last.
+        // SAFETY: all arrays have the lengths passed beside them and outlive the calls that read them. The last
+        // of these calls is `end_surface`.
         unsafe {
             let (knots, ends) = (knots.as_mut_ptr(), ends.as_mut_ptr());
             let (points, domain) = (points.as_mut_ptr(), domain.as_mut_ptr());
@@ -245,7 +247,7 @@ impl Functions {
             let vertex = GL_MAP2_VERTEX_3;
             (self.surface)(nurbs, 2 * n, knots, 2 * n, knots, 3, 3 * n, points, n, n, vertex);
             (self.begin_trim)(nurbs);
-            // As curves they are sampled as finely as the surface beside them.
+            // Passed as curves, the sides are sampled as finely as the surface next to them.
             for line in corners.windows(2) {
                 let mut line = line.as_flattened().to_vec();
                 (self.curve)(nurbs, 4, ends, 2, line.as_mut_ptr(), 2, GLU_MAP1_TRIM_2);
@@ -258,13 +260,13 @@ impl Functions {
 
 impl Drop for Glu {
     fn drop(&mut self) {
-        // SAFETY: the tessellator is ours and used no more; its library is still there.
+        // SAFETY: this value owns the tessellator and no longer uses it; the library is still loaded.
         unsafe { (self.functions.delete)(self.nurbs) }
     }
 }
 
 impl Triangles {
-    /// Triangles of a primitive whose vertices are there from `first` on.
+    /// Adds the triangles of a finished primitive, whose vertices start at `first`.
     fn close(&mut self) {
         let first = self.first as u32;
         let count = (self.vertices.len() - self.first) as u32;
@@ -274,7 +276,7 @@ impl Triangles {
             GL_TRIANGLE_FAN => {
                 self.indices.extend((0..last).flat_map(|i| [first, first + i + 1, first + i + 2]));
             }
-            // Triangle and quad strips alike.
+            // Triangle strips and quad strips.
             _ => self.indices.extend((0..last).flat_map(|i| {
                 let [a, b] = if i % 2 == 0 { [i, i + 1] } else { [i + 1, i] };
                 [first + a, first + b, first + i + 2]
@@ -283,8 +285,8 @@ impl Triangles {
     }
 }
 
-// The following functions are called by the library within `tessellate` only, with the triangles as its data, which
-// nothing else reads or writes meanwhile.
+// The library calls the following functions only within `tessellate`, with the triangles as its data. Nothing
+// else reads or writes them during that time.
 
 unsafe extern "C" fn begin(mode: c_uint, data: *mut Triangles) {
     // SAFETY: as above.
@@ -303,7 +305,7 @@ unsafe extern "C" fn vertex(position: *const [f32; 3], data: *mut Triangles) {
 unsafe extern "C" fn normal(normal: *const [f32; 3], data: *mut Triangles) {
     // SAFETY: as above; a normal has three coordinates.
     let (made, normal) = unsafe { (&mut *data, *normal) };
-    // It is Su × Sv.
+    // The library's normal is Su × Sv; ours is Sv × Su.
     made.normal = normal.map(|coordinate| -coordinate);
 }
 
