@@ -1,8 +1,8 @@
-//! A frame of the thesis' scene, tessellated, against the same triangles as a static mesh through
-//! the same fragment stage: `cargo bench --bench frame`.
+//! A frame of the thesis' scene, tessellated, compared with the same triangles as a static mesh and with the
+//! same fragment shader: `cargo bench --bench frame`.
 //!
-//! Criterion gives each case its time. The ratios at the end are taken apart from it, with the two
-//! methods in turns and the median of each, because only that holds on a machine whose speed drifts.
+//! Criterion reports the time of each case. The ratios at the end are measured separately: the two methods
+//! alternate, and the median of each is taken. Only that is reliable on a machine whose speed drifts.
 
 mod static_mesh;
 

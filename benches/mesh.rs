@@ -1,8 +1,8 @@
-//! What a step of smoothing costs in software, for meshes of a thousand to a million triangles, and what
-//! smooth triangles cost in the tessellation stages beside such a step's mesh.
+//! The cost of a smoothing step in software, for meshes of a thousand to a million triangles. Also the cost of
+//! smooth triangles in the tessellation stages, compared with drawing the mesh of such a step.
 //!
-//! `cargo bench --bench mesh` prints medians, ratios and the bars they should stay under; names after
-//! `--` choose sections: steps, memory, gpu, moving.
+//! `cargo bench --bench mesh` prints medians, ratios and the limits under which they should stay; names after
+//! `--` select sections: steps, memory, gpu, moving.
 
 mod static_mesh;
 
@@ -24,7 +24,7 @@ use glam::{DMat4, DVec3, dvec3};
 use shapes::torus;
 use turns::{in_turns, line};
 
-/// Of tori, whose triangles are four times the square of it.
+/// Sizes of tori; the number of triangles is four times the square of the size.
 const SIDES: [u32; 4] = [16, 50, 158, 500];
 
 fn main() {
@@ -38,8 +38,8 @@ fn main() {
     }
 }
 
-/// What a step evaluates, evaluated and written by one pass over the triangles that thinks of
-/// nothing else: each takes the points of the edges that are marked, and its middle.
+/// Evaluates the same points as a step, and writes them in one pass over the triangles without other work. Each
+/// triangle evaluates the points of its marked edges, and its centre.
 fn points_alone(mesh: &Mesh, marks: &[[bool; 3]]) -> (Vec<DVec3>, Vec<DVec3>) {
     const THIRD: f64 = 1.0 / 3.0;
     const TWO: f64 = 2.0 / 3.0;
@@ -72,7 +72,7 @@ fn points_alone(mesh: &Mesh, marks: &[[bool; 3]]) -> (Vec<DVec3>, Vec<DVec3>) {
     (points, directions)
 }
 
-/// A step, with and without finding the neighbours, beside evaluation alone.
+/// A step, with and without finding the neighbours, compared with evaluation alone.
 fn steps() {
     let mut nanoseconds = Vec::new();
     for side in SIDES {
@@ -109,7 +109,7 @@ fn steps() {
     line("dearest time a triangle / that of the smallest mesh", ratio, "linear: about 1");
 }
 
-/// What the process holds at most while it smooths a million triangles, beside the result.
+/// The peak memory of the process while it smooths a million triangles, compared with the result.
 fn memory() {
     let figure = |name: &str| {
         let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -120,7 +120,7 @@ fn memory() {
     for steps in [1, 2] {
         let mesh = torus(if steps == 1 { 500 } else { 158 });
         let before = figure("VmRSS:");
-        // Linux: the peak counts from here.
+        // On Linux, this resets the peak.
         std::fs::write("/proc/self/clear_refs", "5").expect("a process may clear its own peak");
         let smoothed = smooth(mesh, Smoothing::Pn, steps).expect("a torus");
         let output = size_of_val(smoothed.positions())
@@ -140,8 +140,8 @@ fn scene_of(mesh: &Mesh, smoothing: Smoothing, tessellation: Tessellation) -> Sc
     Scene { files, camera: None, up: DVec3::Y, settings, surfaces, meshes }
 }
 
-/// Still frames at level 3, which is 13 triangles for each, beside the nine of a step in software, drawn
-/// as a static mesh with the same fragment stage.
+/// Still frames at level 3, which makes 13 triangles of each. They are compared with the nine triangles of a
+/// step in software, drawn as a static mesh with the same fragment shader.
 fn on_the_gpu() {
     const SIDE: u32 = 1024;
     println!();
@@ -188,7 +188,7 @@ fn on_the_gpu() {
     }
 }
 
-/// The pass over all triangles when the camera moves.
+/// The pass over all triangles that a camera motion needs.
 fn moving() {
     println!();
     let context = Headless::new(Backend::Auto).expect("an OpenGL context");
@@ -202,7 +202,7 @@ fn moving() {
         let renderer = Renderer::new(gl).expect("a renderer");
         let mut prepared = PreparedScene::new(&renderer, &scene).expect("it fits");
         let frame = Frame::of(&scene, (64, 64));
-        // Two views in turns, so that each is new.
+        // Two views alternate, so that each frame has a new view.
         let mut other = frame;
         other.camera.view = DMat4::from_translation(dvec3(0.001, 0.0, 0.0)) * other.camera.view;
         let views = [frame, other];

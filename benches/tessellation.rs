@@ -1,9 +1,9 @@
-//! What tessellation costs: beside static meshes of the same triangles, within a tolerance beside one
-//! level for all, and the pass over the patches that a moving camera needs; in one run and in turns,
-//! because machines are noisy.
+//! The cost of tessellation, compared with static meshes of the same triangles; the cost within a tolerance,
+//! compared with one level for all patches; and the pass over the patches that a moving camera needs. All are
+//! measured in one run and alternately, because machines are noisy.
 //!
-//! `cargo bench --bench tessellation` prints medians, ratios and the bars they should stay under; names
-//! after `--` choose sections: static, teapot, normals, moving, sight, cut, memory.
+//! `cargo bench --bench tessellation` prints medians, ratios and the limits under which they should stay; names
+//! after `--` select sections: static, teapot, normals, moving, sight, cut, memory.
 
 mod static_mesh;
 mod turns;
@@ -21,7 +21,7 @@ const SIDE: u32 = 1024;
 /// Triangles of the largest static mesh.
 const MAX_TRIANGLES: usize = 2_000_000;
 
-/// The normal, crossed v first as in the thesis.
+/// The normal Sv × Su, with v first as in the thesis.
 fn exact_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
     -patch.normal(u, v).unwrap_or(DVec3::Y)
 }
@@ -102,7 +102,7 @@ fn main() {
     }
 }
 
-/// One level for all patches against a static mesh of the same triangles.
+/// One level for all patches, compared with a static mesh of the same triangles.
 fn static_meshes(gl: &Gl) {
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     for patches in [1, 64, 1024, 10_000] {
@@ -137,13 +137,13 @@ fn static_meshes(gl: &Gl) {
     }
 }
 
-/// The teapot, the whole of it in the picture.
+/// The teapot, entirely within the picture.
 fn teapot_scene() -> Scene {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     Scene::load(&root.join("resources/scenes/gallery/teapot.toml")).expect("the teapot's file")
 }
 
-/// Levels by tolerance against the level that is enough everywhere.
+/// Levels by tolerance, compared with the one level that is sufficient everywhere.
 fn teapot(gl: &Gl) {
     println!();
     let size = (1920, 1080);
@@ -153,7 +153,7 @@ fn teapot(gl: &Gl) {
     scene.settings.tessellation = within(0.5);
     let mut adaptive = Drawn::new(gl, &scene, size);
     let triangles = adaptive.triangles();
-    // The least level whose bound is within the tolerance, as the adaptive levels' is.
+    // The minimum level whose bound is within the tolerance, as for the adaptive levels.
     let enough = (1..=64).find(|cells| {
         scene.settings.tessellation = level(*cells);
         let mut drawn = Drawn::new(gl, &scene, size);
@@ -174,7 +174,7 @@ fn teapot(gl: &Gl) {
     line("  0.5 px / that level", ms[0] / ms[1], "≤ 0.6");
 }
 
-/// Normals at pixels against normals at vertices.
+/// Normals per pixel, compared with normals per vertex.
 fn normals(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
@@ -192,7 +192,7 @@ fn normals(gl: &Gl) {
     }
 }
 
-/// The pass over all patches when the camera moves.
+/// The pass over all patches that a camera motion needs.
 fn moving(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, 64, 64).expect("a picture of the bench");
@@ -201,7 +201,7 @@ fn moving(gl: &Gl) {
         let mut scene = field(patches);
         scene.settings.tessellation = within(0.5);
         let mut drawn = Drawn::new(gl, &scene, (64, 64));
-        // Alone, without drawing: two views in turns, so that each is new.
+        // The pass alone, without drawing: two views alternate, so that each one is new.
         let views = [drawn.frame, {
             let mut other = drawn.frame;
             other.camera.view =
@@ -218,14 +218,14 @@ fn moving(gl: &Gl) {
     }
 }
 
-/// Patches that are not seen.
+/// Patches outside the view.
 fn out_of_sight(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
     target.bind();
     let mut all = field(10_000);
     all.settings.tessellation = within(0.5);
-    // From above, over a corner of 22 × 22 of the 100 × 100 patches.
+    // From above, with a corner of 22 × 22 of the 100 × 100 patches in view.
     let middle = dvec3(10.5, 1.0, -10.5);
     let lens = Lens::Orthographic { height: 21.9 };
     let camera = Camera::new(middle + DVec3::Y, middle, -DVec3::Z, lens).expect("a camera");
@@ -239,7 +239,7 @@ fn out_of_sight(gl: &Gl) {
     surface.transform = all.surfaces[0].transform;
     few.surfaces = vec![surface];
     let [mut whole, mut seen] = [&all, &few].map(|scene| Drawn::new(gl, scene, (SIDE, SIDE)));
-    // Every frame is a new view.
+    // Every frame has a new view.
     let step = |drawn: &mut Drawn<'_>| {
         drawn.frame.camera.view.w_axis.x += 1e-6;
         drawn.draw();
@@ -253,7 +253,7 @@ fn out_of_sight(gl: &Gl) {
     );
 }
 
-/// A patch that trims leave a tenth of.
+/// A patch of which trims keep a tenth.
 fn cut_away(gl: &Gl) {
     println!();
     let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
@@ -275,7 +275,7 @@ fn cut_away(gl: &Gl) {
     line("a patch with 90 % cut away / the same uncut", ms[0] / ms[1], "≤ 0.5");
 }
 
-/// What the process grows by for each patch.
+/// The growth of the process per patch.
 fn memory(gl: &Gl) {
     println!();
     let resident = || {
@@ -292,7 +292,7 @@ fn memory(gl: &Gl) {
         drawn.draw();
         (scene, drawn)
     };
-    // Programs and what drivers keep for themselves are there already.
+    // The programs and the driver's own data already exist here.
     let first = draw(100);
     let before = resident();
     let many = draw(100_000);

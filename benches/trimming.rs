@@ -1,7 +1,7 @@
-//! What trims cost: the exact method and Newton's beside the same surface without trims, in one run
-//! and in turns, because machines are noisy; and the grid's own building.
+//! The cost of trims: the exact method and Newton's, compared with the same surface without trims. All are
+//! measured in one run and alternately, because machines are noisy. Also the cost of building the grid.
 //!
-//! `cargo bench --bench trimming` prints medians, ratios and the bars they should stay under.
+//! `cargo bench --bench trimming` prints medians, ratios and the limits under which they should stay.
 
 mod turns;
 
@@ -138,7 +138,7 @@ fn frames(gl: &Gl) {
     line("100,000 cubics spread / untrimmed", ms[7] / ms[4], "");
 }
 
-/// The grid and its upload.
+/// Building the grid, and its upload.
 fn building(gl: &Gl) {
     println!();
     for count in [100, 1_000, 10_000, 100_000] {

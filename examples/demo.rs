@@ -1,5 +1,5 @@
-//! The smallest window that uses the library: one surface, turned by Left and Right, its level changed by
-//! Up and Down, lines by W, the hole by C; Esc ends it.
+//! The smallest window that uses the library. It shows one surface. Left and Right turn it, Up and Down change
+//! its level, W switches to lines, C cuts the hole, and Esc closes the window.
 //!
 //! `cargo run --release --features viewer --example demo`
 #![allow(unsafe_code, reason = "a window's context is made and read by unsafe calls")]
@@ -23,7 +23,7 @@ use winit::keyboard::{Key, NamedKey};
 use winit::raw_window_handle::HasWindowHandle as _;
 use winit::window::{Window, WindowId};
 
-/// Everything that belongs to the window; what is drawn goes before its context.
+/// Everything that belongs to the window; the objects that are drawn are dropped before their context.
 struct Shown {
     freeform: FreeFormSurface,
     renderer: Renderer,
@@ -32,7 +32,7 @@ struct Shown {
     window: Window,
 }
 
-/// The scene, and the window once there is one.
+/// The scene, and the window as soon as it exists.
 struct Demo {
     scene: Scene,
     level: i64,
@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 impl Shown {
     fn new(events: &ActiveEventLoop, scene: &Scene) -> Result<Self, Box<dyn Error>> {
-        // The library draws with the depth of the window.
+        // The library uses the depth buffer of the window.
         let template = ConfigTemplateBuilder::new().with_depth_size(24);
         let (window, config) = DisplayBuilder::new()
             .with_window_attributes(Some(Window::default_attributes().with_title("demo")))
@@ -70,7 +70,7 @@ impl Shown {
             (context, display.create_window_surface(&config, &pixels)?)
         };
         let context = context.make_current(&surface)?;
-        // SAFETY: the context is current and stays so; what is drawn goes before it.
+        // SAFETY: the context is current and stays current; all objects drawn with it are dropped before it.
         let gl = unsafe {
             Gl::new(glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name)))
         };
@@ -158,7 +158,7 @@ impl ApplicationHandler for Demo {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // While the window system is still there.
+        // The window is dropped while the window system still exists.
         self.shown = None;
     }
 }

@@ -1,17 +1,17 @@
-//! Makes `resources/textures/brick.png`, the picture on the surfaces of the thesis' figures:
-//! `cargo run --release --example make_brick`.
+//! Makes `resources/textures/brick.png`, the texture of the thesis' figures: `cargo run --release --example
+//! make_brick`.
 
 use image::{Rgb, RgbImage};
 
 const SIZE: u32 = 256;
 const COURSES: f64 = 8.0;
 const BRICKS_PER_COURSE: f64 = 4.0;
-/// Half the joint's width and the softness of its edge, in courses. Soft edges leave little to the
-/// level of detail, which drivers may choose each a little differently.
+/// Half the joint's width and the softness of its edge, in courses. With soft edges, the picture depends little
+/// on the texture's level of detail, which drivers may choose slightly differently.
 const JOINT: f64 = 0.03;
 const SOFT: f64 = 0.09;
 
-/// A number in 0 … 1 that belongs to two whole numbers (the mixing steps of Murmur3's finaliser).
+/// A pseudo-random number in 0 … 1 for two integers (the mixing steps of Murmur3's finaliser).
 fn hash(x: i64, y: i64) -> f64 {
     let mut bits = (x as u32).wrapping_mul(0x9e37_79b1) ^ (y as u32).wrapping_mul(0x85eb_ca77);
     bits = (bits ^ (bits >> 16)).wrapping_mul(0x85eb_ca6b);
@@ -24,7 +24,7 @@ fn smoothstep(from: f64, to: f64, x: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Hashes on a grid, joined smoothly; `period` cells make it tile.
+/// Hashes on a grid with smooth interpolation; a period of `period` cells makes the noise tile.
 fn noise(x: f64, y: f64, period: i64) -> f64 {
     let cell = |x: f64, y: f64| hash((x as i64).rem_euclid(period), (y as i64).rem_euclid(period));
     let (left, top) = (x.floor(), y.floor());

@@ -1,9 +1,8 @@
-//! Makes the scenes in `resources/scenes/gallery`, which show what exact trims are for:
-//! `cargo run --release --example make_gallery`.
+//! Makes the scenes in `resources/scenes/gallery`, which show uses of exact trims: `cargo run --release
+//! --example make_gallery`.
 //!
-//! The lights stand 10 above and 10 below the world's origin, so each scene has its place beside
-//! it. Shadows are surfaces as well: what a light casts of a patch on a floor is a rational patch
-//! with the same trims.
+//! The lights are 10 above and 10 below the world's origin, so each scene has a place relative to it. Shadows
+//! are surfaces too: the shadow of a patch on a floor is a rational patch with the same trims.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// One file of the gallery. Its points, and the camera's eye and target, are seen from its place.
+/// One file of the gallery. Its points, and the camera's eye and target, are relative to its place.
 struct Scene {
     name: &'static str,
     about: &'static str,
@@ -70,7 +69,7 @@ impl Surface {
         Self { points: points.map(|point| point.extend(1.0)), color, shading: "phong", keep, path }
     }
 
-    /// What the upper light of a scene at `place` leaves dark on the floor.
+    /// The shadow on the floor that the upper light of a scene at `place` casts.
     fn shadow(&self, place: DVec3, floor: f64, color: [f64; 3]) -> Self {
         let light = dvec3(0.0, 10.0, 0.0) - place;
         let points = self.points.map(|point| {
@@ -83,7 +82,7 @@ impl Surface {
 
 /// A control point to four decimals, with its weight if it has one.
 fn list(point: DVec4) -> String {
-    // A zero is added so that none is written as −0.
+    // Adding zero turns −0 into 0.
     let numbers = point.to_array().map(|value| (value * 1e4).round() / 1e4 + 0.0);
     format!("{:?}", if point.w == 1.0 { &numbers[..3] } else { &numbers })
 }
@@ -96,12 +95,12 @@ fn sheet(size: DVec2, heights: [f64; 16]) -> [DVec3; 16] {
     })
 }
 
-/// The heights of x² over −1 … 1 as a cubic.
+/// The heights of x² over −1 … 1 as a cubic Bézier curve.
 const SQUARE: [f64; 4] = [1.0, -1.0 / 3.0, -1.0 / 3.0, 1.0];
 
-/// Writes SVG path data, relative and in whole steps so that no rounding adds up.
+/// Writes SVG path data, relative and in whole steps so that rounding errors do not add up.
 struct Pen {
-    /// From the points that the pen is given into the domain.
+    /// Maps the points that the pen receives into the domain.
     map: DAffine2,
     data: String,
     start: I64Vec2,
@@ -141,7 +140,7 @@ impl Pen {
         }
     }
 
-    /// An arc to the left or, with a negative radius, to the right, while the map scales evenly.
+    /// An arc to the left or, with a negative radius, to the right; the map must scale uniformly.
     fn arc(&mut self, radius: f64, large: bool, to: DVec2) {
         let size = (radius.abs() * self.map.matrix2.x_axis.x * Self::STEPS).round() / Self::STEPS;
         let [large, left] = [large, radius > 0.0].map(u8::from);
@@ -156,7 +155,7 @@ impl Pen {
     }
 }
 
-/// Widths and outlines, in thousandths of the sheet's unit; what has no width stays where it is.
+/// Widths and outlines, in thousandths of the sheet's unit; an outline with width 0 is not moved.
 const LETTERS: [(f64, &str); 8] = [
     (0.0, "M30 -180 C850 0 1650 -400 2560 -150 C1650 -460 850 -60 30 -180 Z"),
     (575.0, B),
@@ -222,7 +221,8 @@ fn gear() -> Scene {
         pen.data.push('\n');
     }
     pen.close();
-    // Windows between the spokes: rounded by `corner`, with edges `half` off the spokes' axes.
+    // Windows between the spokes: rounded by `corner`, with edges at a distance of `half` from the spokes'
+    // axes.
     let [inner, outer, corner, half]: [f64; 4] = [0.3, 0.68, 0.05, 0.045];
     for spoke in 0..SPOKES {
         let turn = spoke as f64 / SPOKES as f64;
@@ -272,7 +272,7 @@ const ROUND: Quarter = [dvec2(1.0, 0.5523), dvec2(0.5523, 1.0)];
 const POINTED: Quarter = [dvec2(0.7, 0.45), dvec2(0.4, 1.0)];
 const HOLLOW: Quarter = [dvec2(0.5, 0.15), dvec2(0.15, 0.5)];
 
-/// Draws a hole around `middle` with an outer and an inner end: `half` its length and breadth.
+/// Draws a hole around `middle` with an outer and an inner end; `half` is half its length and half its breadth.
 fn hole(pen: &mut Pen, middle: DVec2, outwards: DVec2, half: DVec2, ends: [Quarter; 2]) {
     let [[a, b], [c, d]] = ends;
     pen.move_to(middle + outwards.rotate(half * DVec2::X));
@@ -288,10 +288,10 @@ fn hole(pen: &mut Pen, middle: DVec2, outwards: DVec2, half: DVec2, ends: [Quart
     pen.close();
 }
 
-/// Holes around a centre: how many, how far from it, half their length and breadth, their ends.
+/// Holes around a centre: their number, their distance from it, half their length and breadth, and their ends.
 type Ring = (usize, f64, DVec2, [Quarter; 2]);
 
-/// Draws the holes whose middle is in a square from the origin.
+/// Draws the holes whose centre is in a square from the origin.
 fn rings(pen: &mut Pen, rings: &[Ring], center: DVec2, square: f64) {
     for &(count, radius, half, ends) in rings {
         for number in 0..count {
@@ -321,7 +321,7 @@ fn lace() -> Scene {
             (32, 0.845, dvec2(0.09, 0.068), [HOLLOW, HOLLOW]),
         ],
     ];
-    // Between the flowers, and a half or a quarter of it at the hem.
+    // The ornament between the flowers; at the hem, a half or a quarter of it.
     let knot = [
         (8, 0.14, dvec2(0.09, 0.036), [ROUND, POINTED]),
         (12, 0.34, dvec2(0.085, 0.055), [HOLLOW, HOLLOW]),
@@ -351,7 +351,8 @@ fn lace() -> Scene {
 
 fn shell() -> Scene {
     const SAILS: usize = 8;
-    // A saddle, as x² rises outwards and z² falls sideways; neighbours meet where both are alike.
+    // A saddle: x² rises outwards and z² falls sideways. Neighbouring saddles meet where both have the same
+    // height.
     let foot = 1.15 * dvec2(1.0, (0.5 * TAU / SAILS as f64).tan());
     let [size, top, rise, fall] = [1.45, 0.36, 0.42, 1.44];
     let points = |sail: usize, lift: f64| {
@@ -365,7 +366,7 @@ fn shell() -> Scene {
     };
     let border = |window: bool| {
         let mut pen = Pen::new(DVec2::splat(1.0 / size), dvec2(0.0, 0.5));
-        // A little more than to the groin, so that no gap is left there.
+        // Slightly beyond the groin, so that no gap is left there.
         let more = dvec2(0.0, 0.002);
         pen.move_to(-more);
         pen.draw("l", [foot * dvec2(1.0, -1.0) - more]);

@@ -31,7 +31,7 @@ fn main() -> std::io::Result<()> {
 
 struct Scene {
     name: &'static str,
-    /// What is hard about it.
+    /// A description of the difficulty.
     about: &'static str,
     camera: &'static str,
     patches: Vec<Patch>,
@@ -74,7 +74,7 @@ impl Patch {
 
 /// A control point, with its weight if it has one.
 fn list(point: DVec4) -> String {
-    // A zero is added so that none is written as −0.
+    // Adding zero turns −0 into 0.
     let numbers = point.to_array().map(|value| value + 0.0);
     format!("{:?}", if point.w == 1.0 { &numbers[..3] } else { &numbers })
 }
@@ -187,7 +187,7 @@ fn rational_sphere() -> Scene {
     }
 }
 
-/// Control points of a patch of a sheet; neighbours in the sheet have an edge in common.
+/// Control points of a patch of a sheet; neighbours in the sheet share an edge.
 ///
 /// The sheet has points 0.2 apart. `place` is the patch's column and row.
 fn of_sheet(place: [usize; 2], side: usize, heights: impl Fn(f64, f64) -> f64) -> Vec<DVec3> {

@@ -1,4 +1,4 @@
-//! Makes the meshes of `resources/meshes`: shapes to smooth, and the hard cases of smoothing.
+//! Makes the meshes of `resources/meshes`: shapes for smoothing, and the hard cases of smoothing.
 //!
 //! `cargo run --release --example make_meshes` writes them.
 
@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, dvec3};
 
-/// A mesh as an OBJ file says it; faces are corners of position, texture coordinate and normal,
+/// A mesh in the form of an OBJ file; faces are corners of position, texture coordinate and normal, counted
 /// from 0.
 #[derive(Default)]
 struct Obj {
-    /// What it is.
+    /// A description of the mesh.
     about: &'static str,
     positions: Vec<DVec3>,
     coordinates: Vec<[f64; 2]>,
@@ -21,7 +21,7 @@ struct Obj {
 impl Obj {
     fn text(&self) -> String {
         let mut text = format!("# {}\n# Made by examples/make_meshes.rs.\n", self.about);
-        // A zero is added so that none is written as −0.
+        // Adding zero turns −0 into 0.
         let numbers = |values: &[f64]| -> String {
             values.iter().map(|value| format!(" {}", value + 0.0)).collect()
         };
@@ -53,8 +53,8 @@ impl Obj {
         self.faces.push(positions.iter().map(|i| [Some(*i), None, None]).collect());
     }
 
-    /// Puts a vertex, near the middle of the first face's first edge, into its neighbour, and what
-    /// that leaves open between the two into a triangle of its own.
+    /// Adds a vertex near the middle of the first face's first edge to the neighbouring face. The gap that this
+    /// opens between the two faces becomes a triangle of its own.
     fn with_sliver(mut self, moved: DVec3) -> Self {
         let [a, b] = [0, 1].map(|k| self.faces[0][k][0].expect("a position"));
         let middle = self.positions.len();
@@ -116,7 +116,7 @@ fn cube(about: &'static str) -> Obj {
     obj
 }
 
-/// Normals of its own for each face: every edge is a crease.
+/// Each face has its own normals, so every edge is a crease.
 fn creased_cube(about: &'static str) -> Obj {
     let mut obj = cube(about);
     obj.normals = vec![-DVec3::Z, DVec3::Z, -DVec3::Y, DVec3::Y, -DVec3::X, DVec3::X];
@@ -234,7 +234,7 @@ fn figure() -> Obj {
     obj
 }
 
-/// Every face with corners of its own, and one that is a line between two places.
+/// Every face has its own corners; one face is degenerate, a line between two places.
 fn coincident() -> Obj {
     let about = "An icosahedron whose faces share no vertex: all are there several times. Two corners of\n\
                  # the last face are in one place, so that it has no third edge.";

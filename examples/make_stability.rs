@@ -1,5 +1,5 @@
-//! Makes the two stability scenes that are too long to be written by hand: 71 × 71 loops of two cubics
-//! spread over the domain, and the same crowd inside one cell of the grid, in a large loop.
+//! Makes the two stability scenes that are too long to write by hand: 71 × 71 loops of two cubics spread over
+//! the domain, and the same loops inside one cell of the grid, within a large loop.
 //!
 //! `cargo run --release --example make_stability` writes them to `resources/scenes/stability`.
 
@@ -27,7 +27,7 @@ color = [0.9, 0.6, 0.2]
 shading = "flat"
 "#;
 
-/// A number with eight digits behind the point at most, as short as SVG allows.
+/// A number with at most eight decimals, as short as SVG allows.
 fn short(x: f64) -> String {
     let digits = format!("{x:.8}");
     let digits = digits.trim_end_matches('0').trim_end_matches('.');
@@ -56,7 +56,7 @@ fn lens(u: f64, v: f64, half_width: f64, half_height: f64) -> String {
     )
 }
 
-/// A trim of lenses over a square of the domain that begins at (least, least).
+/// A trim of lenses over a square of the domain that starts at (`min`, `min`).
 fn crowd(min: f64, size: f64) -> String {
     let step = size / f64::from(SIDE);
     let mut trim = String::from("\n[[surface.trim]]\npath = \"\"\"\n");

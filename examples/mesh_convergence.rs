@@ -1,5 +1,5 @@
-//! How near curved PN triangles and Phong tessellation come to a sphere and a torus, compared with
-//! the flat triangles of the same mesh.
+//! The distances of curved PN triangles and Phong tessellation from a sphere and a torus, compared with the
+//! flat triangles of the same mesh.
 //!
 //! `cargo run --release --example mesh_convergence` prints `docs/mesh-convergence.md`.
 

@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         (context, Gl::new(gl))
     };
 
-    // A framebuffer of the caller's, with something in it already: a blue upper half.
+    // A framebuffer of the caller's that already contains a blue upper half.
     // SAFETY: the context is current.
     let (framebuffer, renderbuffers) = unsafe {
         let framebuffer = gl.create_framebuffer()?;

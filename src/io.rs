@@ -8,7 +8,7 @@ use std::io::Write as _;
 
 pub(crate) use error::{Error, Result};
 
-/// Prints a line. A reader that has gone away, as `head` does, is no fault of ours.
+/// Prints a line. A reader that has closed the pipe, as `head` does, is not an error.
 pub(crate) fn say(line: impl std::fmt::Display) -> Result<(), Error> {
     match writeln!(std::io::stdout(), "{line}") {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {

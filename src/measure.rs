@@ -1,9 +1,9 @@
-//! How far a picture is from the surfaces that it shows, pixel by pixel in `f64`.
+//! How far a picture deviates from the surfaces that it shows, pixel by pixel in `f64`.
 //!
-//! A picture's [`Aovs`] claim which point of which patch each pixel shows. [`measure()`] evaluates
-//! that point and says how far from the pixel's centre it lies on the screen, how far the normal is
-//! off, and compares what is drawn at all with the scene's [`Coverage`]. [`random_view`] makes
-//! cameras to look from; [`in_turns`] tells what drawing costs on a noisy machine.
+//! A picture's [`Aovs`] state for each pixel which point of which patch it shows. [`measure()`] evaluates that
+//! point. It reports how far the point lies from the pixel's centre on the screen and how far the normal is
+//! off. It also compares which pixels are drawn with the scene's [`Coverage`]. [`random_view`] makes random
+//! cameras; [`in_turns`] measures the cost of drawing on a noisy machine.
 
 mod interleave;
 mod random;
@@ -21,46 +21,49 @@ pub use interleave::{Timing, in_turns, in_turns_by};
 pub use random::Random;
 pub use views::random_view;
 
-/// The angle between tangents whose sine is below this leaves the normal open.
+/// The normal counts as undefined where the sine of the angle between the tangents is below this.
 const PARALLEL: f64 = 1e-3;
-/// A tangent shorter than this, relative to the patch's longest control tangent, leaves it open too.
+/// It also counts as undefined where a tangent is shorter than this, relative to the patch's longest control
+/// tangent.
 const SHORT: f64 = 1e-4;
 
-/// How far one or more pictures are from their scenes.
+/// The errors of one or more pictures of their scenes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Measurement {
-    /// The largest distance on the screen between a pixel's centre and the point of the surface that
-    /// it claims to show, in pixels. Infinite if a point is behind the eye or its patch or place
-    /// makes no sense; 0 where nothing is drawn.
+    /// The largest distance on the screen between a pixel's centre and the point of the surface that it claims
+    /// to show, in pixels. Infinite if a point is behind the eye, or if its patch or place is invalid; 0 where
+    /// nothing is drawn.
     pub max_error_px: f64,
     /// The mean of these distances over the covered pixels.
     pub mean_error_px: f64,
     /// The root of the mean of their squares.
     pub rms_error_px: f64,
-    /// The largest angle between a pixel's normal and the surface's, in degrees. Left out is where
-    /// the surface has none to speak of: where |Su × Sv| ≤ 10⁻³ |Su| |Sv|, or where Su or Sv is
-    /// shorter than 10⁻⁴ of the longest difference of neighbouring control points times the degree,
-    /// all in world space. A normal of length 0 or with a NaN is 180° off.
+    /// The largest angle between a pixel's normal and the surface's, in degrees. Places where the surface's
+    /// normal is not well defined are left out: those where |Su × Sv| ≤ 10⁻³ |Su| |Sv|, or where Su or Sv is
+    /// shorter than 10⁻⁴ of the longest difference of neighbouring control points times the degree, all in
+    /// world space. A normal of length 0 or with a NaN counts as 180°.
     pub normal_error_deg: f64,
-    /// Pixels that are drawn and should not be, or the other way round.
+    /// Pixels that are drawn and should not be, or that are missing.
     pub silhouette_pixels: usize,
     /// Pixels that are not drawn although they are [`Cover::Inside`] and the surface has no gap, however
-    /// narrow, within 1.5 pixels or the scene's tolerance: some of [`Measurement::silhouette_pixels`].
+    /// narrow, within 1.5 pixels or the scene's tolerance. They are also counted in
+    /// [`Measurement::silhouette_pixels`].
     pub crack_pixels: usize,
-    /// Pixels that show something although a surface is nearer at all pixels around them, two on each side: by
-    /// more than its distances differ there, and a ten thousandth of the distance.
+    /// Pixels that show a point which a nearer surface hides. The point must lie behind the nearest surface at
+    /// all pixels around it, two on each side. The difference must exceed the range of that surface's distances
+    /// at these pixels plus a ten-thousandth of the distance.
     pub hidden_pixels: usize,
-    /// NaN and infinite numbers in all AOVs, and patches that do not exist.
+    /// NaN and infinite values in all AOVs, and numbers of patches that do not exist.
     pub bad_values: usize,
     /// Pixels that are drawn.
     pub covered: usize,
-    /// Pixels that should be.
+    /// Pixels that should be drawn.
     pub expected: usize,
 }
 
 impl Measurement {
-    /// The result of two sets of pictures together: the larger of the largest errors, the mean over all
-    /// covered pixels, sums of counts.
+    /// Combines the results of two sets of pictures: the larger of the maxima, the means over all covered
+    /// pixels, and the sums of the counts.
     #[must_use]
     pub fn merge(&self, other: &Self) -> Self {
         let covered = self.covered + other.covered;
@@ -113,10 +116,10 @@ pub fn measure(
     all
 }
 
-/// Whether a point of a pixel lies behind the nearest surface of all pixels around it, two on each side, by more
-/// than the surface itself goes back there.
+/// Whether the point that a pixel shows lies behind the nearest surface at all pixels around it, two on each
+/// side. The difference must exceed the range of that surface's distances at these pixels.
 fn is_hidden(reference: &Coverage, shown: f64, [x, y]: [u32; 2]) -> bool {
-    /// Of the distance: what is nearer together may change places by rounding.
+    /// Relative to the distance: surfaces that are closer together than this may swap their order by rounding.
     const MARGIN: f64 = 1e-4;
     let (width, height) = reference.size;
     let at = |x: u32, y: u32| (y * width + x) as usize;
@@ -130,14 +133,15 @@ fn is_hidden(reference: &Coverage, shown: f64, [x, y]: [u32; 2]) -> bool {
     shown - max > max - min + MARGIN * max.abs()
 }
 
-/// Measures what is drawn in a picture of a scene, as [`measure()`] does, but not what is missing: without
-/// a reference nothing is said of silhouettes and cracks.
+/// Measures what is drawn in a picture of a scene, as [`measure()`] does, but not what is missing: without a
+/// reference, it reports no errors of silhouettes and no cracks.
 #[must_use]
 pub fn measure_drawn(scene: &Scene, projection: &ViewProjection, aovs: &Aovs) -> Measurement {
     measure_points(scene, projection, aovs, |_, _| {})
 }
 
-/// Measures what is drawn, and hands on how far along the view axis the points are that pixels claim to show.
+/// Measures what is drawn, and passes on the distance along the view axis of the point that each pixel claims
+/// to show.
 fn measure_points(
     scene: &Scene,
     projection: &ViewProjection,
@@ -173,7 +177,8 @@ fn measure_points(
     all
 }
 
-/// Whether the surface itself has a gap that a pixel may show: within the scene's tolerance.
+/// Whether the surface itself has a gap that may show at this pixel: one within 1.5 pixels or the scene's
+/// tolerance.
 fn shows_a_gap(
     scene: &Scene,
     projection: &ViewProjection,
@@ -196,7 +201,7 @@ fn count_bad(aovs: &Aovs) -> usize {
         .count()
 }
 
-/// A patch as a picture sees it.
+/// A patch as seen in a picture.
 struct Seen<'a> {
     patch: Patch<'a>,
     to_view: DMat4,
@@ -229,13 +234,13 @@ impl<'a> Seen<'a> {
         })
     }
 
-    /// How far along the view axis a point is.
+    /// The distance of a point along the view axis.
     fn distance(&self, u: f64, v: f64) -> f64 {
         -self.to_view.transform_point3(self.patch.at(u, v).position).z
     }
 
-    /// How far the point is from a pixel's centre, in pixels, and the angle between its normal and
-    /// `normal` in degrees, if it has one.
+    /// The distance of the point from a pixel's centre, in pixels, and the angle between its normal and
+    /// `normal` in degrees, if it has a normal.
     fn errors(
         &self,
         u: f64,
@@ -261,7 +266,7 @@ impl<'a> Seen<'a> {
 /// The angle between two vectors in degrees; 180 if one of them has no direction.
 fn angle_deg(a: DVec3, b: DVec3) -> f64 {
     let (sine, cosine) = (a.cross(b).length(), a.dot(b));
-    // Also where one of them is NaN.
+    // The result is also 180 if one of the vectors contains a NaN.
     if sine > 0.0 || cosine > 0.0 { sine.atan2(cosine).to_degrees() } else { 180.0 }
 }
 
@@ -276,8 +281,8 @@ mod tests {
 
     const SIDE: usize = 40;
 
-    /// A unit square in z = 0 with x = u and y = v, seen from above: 20 pixels a unit, the square
-    /// in pixels 10 … 30.
+    /// A unit square in z = 0 with x = u and y = v, seen from above at 20 pixels per unit. The square covers
+    /// pixels 10 … 30.
     fn square() -> (Scene, ViewProjection) {
         let points = (0..16)
             .map(|i| DVec4::new(f64::from(i % 4) / 3.0, f64::from(i / 4) / 3.0, 0.0, 1.0))
@@ -334,20 +339,20 @@ mod tests {
     #[test]
     fn what_is_hidden_by_a_nearer_surface_is_found() {
         let (mut scene, projection) = square();
-        // The lower half of the square again, nearer by half of the distance to the eye.
+        // A copy of the square's lower half, at half the distance from the eye.
         let mut nearer = scene.surfaces[0].clone();
         nearer.transform =
             DMat4::from_translation(dvec3(0.0, 0.0, 0.5)) * DMat4::from_scale(dvec3(1.0, 0.5, 1.0));
         scene.surfaces.push(nearer);
         let size = UVec2::splat(SIDE as u32);
-        // From the eye of a perspective one unit is 20 pixels at distance 1.
+        // In this perspective, one unit is 20 pixels at distance 1.
         let eye = dvec3(0.5, 0.5, 1.0);
         let lens = Lens::Perspective { fov_y_radians: 2.0 * 1_f64.atan() };
         let camera = Camera::new(eye, eye - DVec3::Z, DVec3::Y, lens).unwrap();
         let perspective =
             camera.projection(scene.surfaces.iter().flat_map(Surface::world_points), 1.0);
-        // Of the rows and columns that are nearer, 10 and 20, those within two pixels of the border do not count;
-        // in perspective it reaches beyond the square but for its upper border.
+        // The copy covers 20 columns and 10 rows of the square. Those within two pixels of the border do not
+        // count. In perspective, the copy extends beyond the square except at its upper border.
         for (seen, expected) in [(projection, 16 * 6), (perspective, 20 * 8)] {
             let reference = coverage(&scene, &seen, size, Method::Exact).unwrap();
             let found = measure(&scene, &seen, &aovs_of_square(), &reference);
@@ -360,14 +365,14 @@ mod tests {
     fn a_shifted_place_is_so_many_pixels_off() {
         let mut aovs = aovs_of_square();
         for (i, uv) in aovs.uv.iter_mut().enumerate().filter(|(_, uv)| uv[3] != 0.0) {
-            // 3 pixels to the right, and 4 up in the left half.
+            // 3 pixels to the right, and in the left half also 4 pixels up.
             uv[0] += 0.15;
             uv[1] += if i % SIDE < 20 { 0.2 } else { 0.0 };
         }
         let all = measured(&aovs);
         assert!((all.max_error_px - 5.0).abs() < 1e-5, "{all:?}");
         assert!((all.mean_error_px - 4.0).abs() < 1e-5, "{all:?}");
-        // Half of them 3 pixels off, half 5.
+        // Half of the pixels are 3 pixels off, the others 5.
         assert!((all.rms_error_px - 17.0_f64.sqrt()).abs() < 1e-5, "{all:?}");
     }
 
@@ -409,7 +414,7 @@ mod tests {
             scene.surfaces[0].set_control_point(DVec4::W, i).unwrap();
         }
         assert!(error(&scene, 0.0).is_none() && error(&scene, 0.5).is_some());
-        // Just off the pole Su is too short, and farther off no more.
+        // Right beside the pole Su is too short, but not further away from it.
         assert!(error(&scene, 1e-5).is_none() && error(&scene, 1e-3).is_some());
     }
 

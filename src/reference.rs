@@ -1,12 +1,12 @@
-//! A renderer on the CPU in `f64`: it makes the pictures that the tests compare with. It shares no
-//! evaluation, trimming, light or rasterisation with the shaders; what it shares with the GPU's
-//! renderer is what both are given: the scene, the camera's matrices, the sorting of loops into the
-//! thesis' forms, and into how many parts a patch is cut.
+//! A renderer on the CPU in `f64` that makes the pictures with which the tests compare. It shares no
+//! evaluation, trimming, lighting or rasterisation with the shaders. It shares with the GPU's renderer only the
+//! input of both: the scene, the camera's matrices, the sorting of loops into the thesis' forms, and the number
+//! of sub-patches that a patch is cut into.
 //!
-//! It cuts patches into the same triangles at the same level, because that is what a picture at a
-//! level shows. OpenGL leaves open which diagonal a square of the tessellation gets; here it is the
-//! one of Direct3D's reference tessellator, which Mesa's drivers carry inside. Lines are drawn by a
-//! plain walk along their longer axis; OpenGL leaves their pixels to the driver.
+//! It cuts patches into the same triangles at the same level, because a picture at a level shows these
+//! triangles. OpenGL leaves open which diagonal a cell of the tessellation gets; here it is the one of
+//! Direct3D's reference tessellator, which Mesa's drivers contain. Lines are drawn by stepping along their
+//! longer axis; OpenGL leaves the choice of their pixels to the driver.
 
 mod coverage;
 mod raster;
@@ -34,7 +34,7 @@ pub enum Pixel {
     /// Nothing.
     #[default]
     Background,
-    /// Nothing, because this point of a surface is cut.
+    /// Nothing, because the surface is cut at this point.
     Hole(Fragment),
     /// A point of a surface or of its wireframe.
     Surface(Fragment),
@@ -51,7 +51,7 @@ pub struct Fragment {
     pub patch: usize,
     /// Place in the domain.
     pub uv: DVec2,
-    /// How far (u, v) goes with one pixel to the right and one down.
+    /// The change of (u, v) to the next pixel on the right and to the next pixel below.
     pub uv_per_px: [DVec2; 2],
     /// Place in view space.
     pub position: DVec3,
@@ -63,7 +63,7 @@ pub struct Fragment {
     pub front: bool,
 }
 
-/// A picture and what its pixels show, both row by row from the top.
+/// A picture and the content of its pixels, both row by row from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
     /// The colours, rounded to 8 bits.
@@ -76,7 +76,7 @@ pub struct Picture {
 /// Renders a scene.
 ///
 /// # Errors
-/// Loops that the thesis' method cannot cut, if that is asked for.
+/// The thesis' method is requested and cannot cut one of the loops.
 pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
     let projection = scene.projection(size.x, size.y);
     let settings = &scene.settings;
@@ -133,11 +133,11 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
     Ok(raster.into_picture(projection.projection))
 }
 
-/// The trims of a surface as one method decides them.
+/// The trims of a surface, as one method decides them.
 #[derive(Debug, Clone)]
 pub struct TrimDecision<'a> {
     trims: &'a Trims,
-    /// The thesis' loops; without them loops are decided exactly.
+    /// The thesis' loops; `None` if loops are decided exactly.
     newton: Option<(Newton, NewtonTrims)>,
 }
 
@@ -145,7 +145,7 @@ impl<'a> TrimDecision<'a> {
     /// How a method decides these trims.
     ///
     /// # Errors
-    /// Loops that the thesis' method cannot cut, if that is asked for.
+    /// The thesis' method is requested and cannot cut one of the loops.
     pub fn new(trims: &'a Trims, newton: Newton, method: Method) -> Result<Self> {
         let newton = match method {
             Method::Thesis => Some((newton, NewtonTrims::of(trims)?)),
@@ -165,9 +165,9 @@ impl<'a> TrimDecision<'a> {
         }
     }
 
-    /// Whether the decision changes within `radius_px` of a fragment. It is sampled 32 times a pixel,
-    /// and about as finely as `f32` can tell places apart around the fragment itself: an edge that
-    /// runs between the pixels' centres, or a sliver of Newton's that only rounding hits.
+    /// Whether the decision changes within `radius_px` of a fragment. It is sampled 32 times per pixel, and
+    /// around the fragment itself about as finely as `f32` can resolve. This finds an edge that runs between
+    /// the pixels' centres, and a sliver of Newton's method that only rounding hits.
     #[must_use]
     pub fn changes_near(&self, fragment: &Fragment, radius_px: f64) -> bool {
         const STEPS_PER_PX: f64 = 32.0;
@@ -187,7 +187,7 @@ impl<'a> TrimDecision<'a> {
     }
 }
 
-/// A surface as one picture sees it.
+/// A surface with the matrices and settings of one picture.
 struct SurfaceView<'a> {
     surface: &'a Surface,
     to_view: DMat4,
@@ -196,7 +196,7 @@ struct SurfaceView<'a> {
     trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
     method: Method,
-    /// Into which a patch is cut.
+    /// The sub-patches into which a patch is cut.
     split: Split,
 }
 
@@ -226,7 +226,7 @@ impl<'a> SurfaceView<'a> {
         })
     }
 
-    /// Whether the report's program draws it, as `programs::Pipeline::ported` decides.
+    /// Whether the report's program draws the surface, as `programs::Pipeline::ported` decides.
     fn is_report(&self) -> bool {
         self.method == Method::Thesis
             && self.surface.degree() == crate::bezier::Degree::Quartic
@@ -242,7 +242,7 @@ impl<'a> SurfaceView<'a> {
                 let v = (i / (level + 1)) as f64 / level as f64;
                 let normal = match self.method {
                     Method::Thesis => thesis_normal(patch, u, v),
-                    // The thesis crosses its tangents v first.
+                    // The thesis computes Sv × Su.
                     Method::Exact => -true_normal(patch, u, v),
                 };
                 let position = self.to_view.transform_point3(patch.at(u, v).position);
@@ -264,15 +264,15 @@ impl<'a> SurfaceView<'a> {
     }
 }
 
-/// The normal; at a pole, where the tangents give none, its limit from the middle of the patch.
+/// The normal. At a pole, where the tangents do not define it, its limit from the middle of the patch.
 fn true_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
     const STEP: f64 = 1e-6;
     let inwards = |t: f64| t + (0.5 - t) * STEP;
     patch.normal(u, v).or_else(|| patch.normal(inwards(u), inwards(v))).unwrap_or(DVec3::ZERO)
 }
 
-/// The triangles of a square domain, as indices into rows of `level + 1` vertices. Each part of a
-/// patch has its own diagonals.
+/// The triangles of a square domain, as indices into rows of `level + 1` vertices. Each sub-patch has its own
+/// diagonals.
 fn triangles(split: Split) -> impl Iterator<Item = [usize; 3]> {
     let part = split.level as usize;
     let level = part * split.side as usize;
@@ -289,8 +289,8 @@ fn triangles(split: Split) -> impl Iterator<Item = [usize; 3]> {
     })
 }
 
-/// Whether the diagonal of a cell runs from its least (u, v) to its greatest: diagonals point to the
-/// middle of the patch; at odd levels the middle column rises and the middle row falls.
+/// Whether the diagonal of a cell runs from its minimum (u, v) to its maximum. Diagonals point to the middle of
+/// the patch. At odd levels they rise in the middle column and fall in the middle row.
 fn rises(u: usize, v: usize, level: usize) -> bool {
     let middle = level / 2;
     if level.is_multiple_of(2) {
@@ -307,8 +307,8 @@ impl Picture {
         UVec2::from(self.image.dimensions())
     }
 
-    /// Which pixels lie within `radius_px` of an edge in the picture: a silhouette, the edge of a
-    /// trim, of a line or of a control point's square. There a sample's place decides what is seen.
+    /// Which pixels lie within `radius_px` of an edge in the picture: a silhouette, or the edge of a trim, of a
+    /// line or of a control point's square. There the exact place of a sample decides what is visible.
     #[must_use]
     pub fn edge_band(&self, radius_px: f64) -> Vec<bool> {
         let (width, height) = (self.image.width() as i32, self.image.height() as i32);
@@ -331,8 +331,8 @@ impl Picture {
             .collect()
     }
 
-    /// Whether two close pixels show different things: other kinds, other sides, or places further
-    /// apart than a surface seen at a grazing angle explains.
+    /// Whether two close pixels show different things: different kinds, different sides, or places further
+    /// apart than a surface at a grazing angle explains.
     fn differ(&self, a: &Pixel, b: &Pixel) -> bool {
         const GRAZING: f64 = 12.0;
         match (a, b) {
@@ -350,7 +350,7 @@ impl Picture {
     }
 }
 
-/// 0 … 1 to 8 bits, as OpenGL converts.
+/// Converts 0 … 1 to 8 bits, as OpenGL does.
 fn to_bytes(color: DVec4) -> [u8; 4] {
     color.to_array().map(|channel| (channel.clamp(0.0, 1.0) * 255.0).round() as u8)
 }

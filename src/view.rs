@@ -4,8 +4,8 @@
 //! window system → input → Key, Button → State → Changes → PreparedScene → picture → window
 //! ```
 //!
-//! The effects of keys and mouse are decided without a window (`state`, `gestures`, and the table in `action`)
-//! and tested without one. The window itself is behind the feature `viewer`.
+//! The effects of keys and mouse are decided without a window (in `state`, `gestures` and the table in
+//! `action`) and are tested without one. The window itself is behind the feature `viewer`.
 #![cfg_attr(not(feature = "viewer"), allow(dead_code, reason = "only a window uses it all"))]
 
 mod action;
@@ -52,11 +52,11 @@ pub(crate) struct ViewArguments {
     #[command(flatten)]
     load: LoadArguments,
 
-    /// Show the scene anew whenever its file or one that it names changes, from where it is seen.
+    /// Read and show the scene again whenever its file or a file that it names changes; the camera stays.
     #[arg(long)]
     watch: bool,
 
-    /// Print what keys and mouse do, and open no window.
+    /// Print the key and mouse bindings without opening a window.
     #[arg(long)]
     list_bindings: bool,
 }
@@ -64,7 +64,8 @@ pub(crate) struct ViewArguments {
 /// Opens the window, and returns when it is closed.
 ///
 /// # Errors
-/// A scene that cannot be read, no window system, no OpenGL 4.5; a program without windows.
+/// The scene cannot be read, there is no window system or no OpenGL 4.5, or the program was built without
+/// windows.
 pub(crate) fn run(arguments: &ViewArguments) -> Result<()> {
     if arguments.list_bindings {
         return action::lines().try_for_each(|(keys, help)| say(format_args!("{keys:46} {help}")));

@@ -1,5 +1,5 @@
-//! Surfaces come and go without leaving anything behind. One test alone in its process, because it
-//! looks at the memory of the whole process.
+//! Surfaces are created and dropped without leaks. The test is alone in its process, because it observes the
+//! memory of the whole process.
 #![cfg(target_os = "linux")]
 #![allow(unsafe_code, reason = "the driver is asked which objects exist")]
 
@@ -24,9 +24,9 @@ fn resident() -> u64 {
     pages * 4096
 }
 
-/// Buffers, textures, programs, shaders, framebuffers and renderbuffers that exist, by their numbers.
+/// Buffers, textures, programs, shaders, framebuffers and renderbuffers that exist, by their OpenGL names.
 fn objects(gl: &glow::Context) -> Vec<(char, u32)> {
-    // SAFETY: the context is current; asking about any number is allowed.
+    // SAFETY: the context is current; any name may be queried.
     let exists = |kind: char, number: NonZeroU32| unsafe {
         match kind {
             'b' => gl.is_buffer(glow::NativeBuffer(number)),
@@ -69,7 +69,7 @@ fn ten_thousand_surfaces_leave_nothing_behind() {
                 [(0.2, 0.5), (0.5, 0.9), (0.8, 0.5), (0.5, 0.1)].map(|(u, v)| dvec2(u, v));
             surface.set_bezier_curve_trimming(a, b, c, d).unwrap();
             let _ = surface.render(&mut renderer, &frame).unwrap();
-            // A software driver collects commands, and memory with them, until someone waits.
+            // A software driver queues commands, and memory with them, until the program waits for it.
             gl.finish();
         };
         round();

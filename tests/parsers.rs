@@ -1,5 +1,5 @@
-//! Parsers answer any input with a result or an error, within bounds of memory. A crate of its own: its allocator counts
-//! what the whole process allocates.
+//! Parsers answer any input with a result or an error, within bounds of memory. This test is a crate of its own,
+//! because its allocator counts the allocations of the whole process.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -14,7 +14,7 @@ use proptest::prelude::*;
 
 static NOW: AtomicUsize = AtomicUsize::new(0);
 static MAX: AtomicUsize = AtomicUsize::new(0);
-/// The counters are the process's, so measurements take turns.
+/// The counters belong to the process, so measurements take turns.
 static TURN: Mutex<()> = Mutex::new(());
 
 struct Counting;
@@ -38,7 +38,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Bytes that `work` held at most, beyond what was there before.
+/// The peak of bytes that `work` allocated, beyond those allocated before.
 fn most_memory(work: impl FnOnce()) -> usize {
     let before = NOW.load(Ordering::Relaxed);
     MAX.store(before, Ordering::Relaxed);
@@ -156,7 +156,7 @@ proptest! {
             Ok(loops) => {
                 assert!(!loops.is_empty());
                 trims.loops = loops;
-                // Whatever was read can be compiled and asked.
+                // Any path that was read can be compiled and evaluated.
                 let _ = TrimGrid::new(&trims).cut(vec2(0.5, 0.5));
             }
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
@@ -201,7 +201,7 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
     let mut patch = String::from("3 3 ");
     patch += &"0 ".repeat(48);
     let count = MIB / patch.len();
-    // Surfaces of about this text each, as many as fill the file.
+    // Surfaces of about this text each, as many of them as fill the file.
     let in_surfaces = |piece: &str| {
         let surface = format!("[[surface]]\n{}", piece.repeat((200_000 / piece.len()).max(1)));
         surface.repeat((MIB / surface.len()).max(1))
@@ -259,7 +259,8 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
         max = max.max(toml).max(bpt);
     }
     assert!(max <= 64 * MIB, "{max} bytes");
-    // An arc is up to 20 cubics, a subpath of one line a loop of two: both are more than their text.
+    // An arc becomes up to 20 cubics, and a subpath of one line becomes a loop of two. Both take more memory
+    // than their text.
     for piece in ["a9 9 0 1 1 1 9", "a9e14 9e14 0 1 1 9 9e14", "zh1"] {
         let text = in_path(&piece.repeat(MIB / piece.len() - 100));
         let bytes = most_memory(|| drop(Scene::from_toml(&text, Path::new("x.toml"))));
@@ -287,7 +288,8 @@ fn a_mesh_takes_few_bytes_a_triangle() {
         let max = most_memory(|| drop(Mesh::read_obj(text.as_bytes(), path, crease).unwrap()));
         let each = max / (2 * side * side);
         println!("{side}: {each} bytes a triangle");
-        // The mesh itself takes some 80; its neighbours and normals in the making the rest.
+        // The mesh itself takes about 80 bytes. The rest is for its neighbours and normals while they are
+        // computed.
         assert!(each <= 180, "{each} bytes for each of {} triangles", 2 * side * side);
     }
 }

@@ -1,5 +1,5 @@
-//! A still scene costs nothing but its draw calls: nothing is built, uploaded or allocated again. One
-//! test alone in its process, because it counts what the whole process allocates.
+//! A still scene costs only its draw calls: nothing is built, uploaded or allocated again. The test is alone in
+//! its process, because it counts the allocations of the whole process.
 #![allow(unsafe_code, reason = "allocations and OpenGL's uploads are counted on their way")]
 
 #[path = "harness/mod.rs"]
@@ -41,7 +41,7 @@ unsafe impl GlobalAlloc for Counting {
 static ALLOCATOR: Counting = Counting;
 
 static UPLOADS: AtomicUsize = AtomicUsize::new(0);
-/// Bytes of the uploads, and how many of them made room in a buffer.
+/// The bytes of the uploads, and the number of uploads that allocate a buffer.
 static BYTES: AtomicUsize = AtomicUsize::new(0);
 static ROOMS: AtomicUsize = AtomicUsize::new(0);
 static BUFFER_DATA: AtomicPtr<c_void> = AtomicPtr::new(std::ptr::null_mut());
@@ -72,7 +72,7 @@ unsafe extern "C" fn buffer_sub_data(buffer: u32, at: isize, size: isize, data: 
     }
 }
 
-/// The context's functions, with those in between that count uploads.
+/// The context's functions, with those that upload replaced by functions that count.
 fn counted(context: &Checked) -> Gl {
     let find = |name: &str| {
         let name = CString::new(name).unwrap();
@@ -89,7 +89,7 @@ fn counted(context: &Checked) -> Gl {
             _ => address.cast_const(),
         }
     };
-    // SAFETY: the context is current, and so are its functions; it outlives what the test makes.
+    // SAFETY: the context and its functions are current; the context outlives the objects of the test.
     unsafe { Gl::new(glow::Context::from_loader_function(find)) }
 }
 
@@ -121,7 +121,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         }
         scene.surfaces.push(surface);
     }
-    // And a mesh, whose triangles have levels of their own.
+    // A mesh too, whose triangles have levels of their own.
     let torus = Mesh::load_obj(&root().join("resources/meshes/torus.obj"), CreaseAngle::NONE);
     scene.meshes.push(MeshModel::new(torus.unwrap(), Smoothing::Pn));
     let target = Framebuffer::new(&gl, 64, 64).unwrap();
@@ -135,13 +135,13 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         [ALLOCATIONS.load(Relaxed) - before[0], UPLOADS.load(Relaxed) - before[1]]
     };
     let [allocations, uploads] = draw(&mut prepared);
-    // The grid of each surface; the parts of all and their matrices, once to make room for them; the
-    // levels of the mesh.
+    // The uploads are the grid of each surface; the sub-patches of all surfaces and their matrices, with one
+    // call that allocates memory for them; and the levels of the mesh.
     assert!(allocations > 10_000 && uploads == 1000 + 3 + 1, "{allocations} {uploads}");
     for _ in 0..3 {
         assert_eq!(draw(&mut prepared), [0, 0]);
     }
-    // One change is one surface's grid and its parts.
+    // One change uploads one surface's grid and its sub-patches.
     let changed = &mut prepared.surfaces_mut()[500];
     let mut trims = changed.surface().trims.clone();
     trims.add_loop(hole(dvec2(0.5, 0.2), 0.05)).unwrap();
@@ -149,7 +149,8 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     let [_, uploads] = draw(&mut prepared);
     assert_eq!(uploads, 2);
     assert_eq!(draw(&mut prepared), [0, 0]);
-    // A dragged point is 16 bytes; at one level its patch is cut as before. No buffer is made.
+    // A dragged point uploads 16 bytes. At one level its patch is tessellated as before. No buffer is
+    // allocated.
     let rooms = ROOMS.load(Relaxed);
     let mut point = scene.surfaces[7].control_points()[5];
     for _ in 0..20 {
@@ -160,8 +161,8 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         assert_eq!(BYTES.load(Relaxed) - bytes, 16);
     }
     assert_eq!(ROOMS.load(Relaxed), rooms);
-    // Within a tolerance its patch may be cut anew, and with it those beside it: 32 bytes each of their
-    // own, and nothing of the others.
+    // Within a tolerance, the point's patch may be tessellated anew, together with the adjacent patches. This
+    // uploads 32 bytes for each of these patches, and nothing for the others.
     let mut teapot = load(&root().join("resources/scenes/gallery/teapot.toml"));
     teapot.settings.tessellation = Tessellation::Within(Tolerance::new(0.5).unwrap());
     let frame = Frame::of(&teapot, (64, 64));
@@ -178,7 +179,7 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
         }
     }
     assert!((16 + 32..=16 + 5 * 32).contains(&max), "{max}");
-    // Within a tolerance it may be cut more finely than before; still no buffer is made.
+    // Within a tolerance, the patch may be tessellated more finely than before. Still no buffer is allocated.
     let mut scene = Scene::listing16();
     scene.settings.tessellation = Tessellation::Within(Tolerance::new(0.1).unwrap());
     let mut pulled = PreparedScene::new(&renderer, &scene).unwrap();

@@ -1,4 +1,4 @@
-//! What tessellation is measured against: the same triangles, computed beforehand.
+//! The baseline for tessellation: the same triangles, computed in advance.
 #![allow(dead_code, unreachable_pub, reason = "every bench is a crate that uses a part of it")]
 
 use std::collections::HashMap;
@@ -7,7 +7,7 @@ use freeform_surface::inspect::{StaticMesh, StaticVertex};
 use freeform_surface::{Gl, Mesh, Patch, Scene};
 use glam::DVec3;
 
-/// The triangles of a scene's one surface at its level, in world space, its normals by `normal`.
+/// The triangles of a scene's one surface at its level, in world space, with normals from `normal`.
 pub fn of_surface(gl: &Gl, scene: &Scene, normal: fn(&Patch<'_>, f64, f64) -> DVec3) -> StaticMesh {
     let surface = &scene.surfaces[0];
     let level = scene.settings.tessellation.level().get() as usize;

@@ -1,4 +1,4 @@
-//! How the benches measure: in turns and by medians, because machines are noisy.
+//! The measuring method of the benches: alternately and by medians, because machines are noisy.
 #![allow(unreachable_pub, reason = "every bench is a crate that uses this")]
 
 use std::convert::Infallible;
@@ -7,7 +7,7 @@ use freeform_surface::inspect::measure;
 
 const TURNS: usize = 15;
 
-/// Medians of several frames in turns, in milliseconds.
+/// The medians of several kinds of frames, measured alternately, in milliseconds.
 pub fn in_turns(frames: &mut [&mut dyn FnMut()]) -> Vec<f64> {
     let mut frames: Vec<_> = frames
         .iter_mut()
@@ -24,7 +24,7 @@ pub fn in_turns(frames: &mut [&mut dyn FnMut()]) -> Vec<f64> {
     timings.into_iter().map(|timing| timing.ms).collect()
 }
 
-/// Prints what was measured, and the bar that it should stay under.
+/// Prints a measured value, and the limit under which it should stay.
 pub fn line(what: &str, value: f64, bar: &str) {
     println!("{what:66} {value:10.3}   {bar}");
 }

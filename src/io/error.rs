@@ -4,17 +4,18 @@ use std::path::PathBuf;
 
 use freeform_surface::Cause;
 
-/// Everything that the program gives up for, in one line each that says what, where and what was expected.
+/// All errors that make the program give up. Each is one line that states the fault, its place, and the
+/// expected input.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
     /// An error of the library: of a scene, or of drawing it.
     #[error(transparent)]
     Library(#[from] freeform_surface::Error),
 
-    /// A word of the command line, or a value typed or dragged in the window.
+    /// An argument of the command line, or a value typed or dragged in the window.
     #[error("{name} is {value}; expected {expected}")]
     Input {
-        /// Name of the input, in the words of the command line or the window.
+        /// Name of the input, as the command line or the window calls it.
         name: String,
         /// The value as given.
         value: String,
@@ -27,26 +28,26 @@ pub(crate) enum Error {
     File {
         /// `"read"`, `"write"`, …
         action: &'static str,
-        /// The file, or what stands for it.
+        /// The file, or a name for the stream.
         place: PathBuf,
-        /// The error of the operating system, of an encoder, or a text.
+        /// The error of the operating system or of an encoder, or a text.
         source: Cause,
     },
 
-    /// The driver complained while it made something.
+    /// The driver reported errors while the program created an object.
     #[error("the driver could not create {what}: {reason}")]
     Driver {
         /// The object.
         what: String,
-        /// Its complaints.
+        /// The driver's messages.
         reason: String,
     },
 
-    /// The driver draws wrongly; the text says which driver and what.
+    /// The driver draws wrongly; the text names the driver and the fault.
     #[error("{0}")]
     WrongDriver(String),
 
-    /// No window with an OpenGL context.
+    /// No window with an OpenGL context could be opened.
     #[cfg(feature = "viewer")]
     #[error("{0}")]
     Window(String),

@@ -1,4 +1,4 @@
-//! Where scenes come from: files, or standard input.
+//! The sources of scenes: files, or standard input.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -7,21 +7,21 @@ use super::{Error, Result};
 use clap::Args;
 use freeform_surface::{Cause, CreaseAngle, LoadOptions, Scene, UpAxis};
 
-/// What stands for standard input on the command line.
+/// The name of standard input on the command line.
 const STANDARD: &str = "-";
-/// More of standard input than this is refused, as of a file.
+/// Standard input with more bytes than this is refused, as a file is.
 const MAX_BYTES: u64 = 64 << 20;
 
-/// How scenes are read; it wins over what they say.
+/// Options for reading scenes; they override the scenes' own values.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct LoadArguments {
-    /// The axis that stands upright where a scene has no camera: y or z. Otherwise the scene's, or z
-    /// if there is nothing but patches of .bpt files, or y.
+    /// Up axis for scenes without a camera: y or z. Otherwise it is the scene's, or z if the scene consists
+    /// only of patches of .bpt files, or y.
     #[arg(long, value_name = "AXIS", value_parser = up_axis)]
     up: Option<UpAxis>,
 
-    /// Where a mesh's file has no normals: the angle between triangles, 0 to 180, beyond which their
-    /// edge stays a crease; instead of the scene's, which is 30 if it does not say.
+    /// Where a mesh's file has no normals: an edge stays a crease if the angle between its triangles, 0 to 180,
+    /// is larger than this. It replaces the scene's angle, which is 30 by default.
     #[arg(long, value_name = "D", value_parser = crease_angle, allow_negative_numbers = true)]
     crease_degrees: Option<CreaseAngle>,
 }
@@ -66,7 +66,7 @@ impl LoadArguments {
     }
 }
 
-/// Whether a scene is read from standard input.
+/// Whether a scene comes from standard input.
 pub(crate) fn is_standard(path: &Path) -> bool {
     path == Path::new(STANDARD)
 }
@@ -74,7 +74,7 @@ pub(crate) fn is_standard(path: &Path) -> bool {
 /// Refuses to read standard input for two scenes.
 ///
 /// # Errors
-/// Two scenes that are `-`.
+/// Two scenes are `-`.
 pub(crate) fn check(scenes: &[PathBuf]) -> Result<()> {
     match scenes.iter().filter(|scene| is_standard(scene)).count() {
         0 | 1 => Ok(()),

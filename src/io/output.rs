@@ -1,5 +1,5 @@
-//! Where pictures go. A file is written beside its place and then renamed, so that nothing is ever
-//! left half written and a failure leaves an older file as it was.
+//! The destinations of pictures. A file is first written beside its destination and then renamed. So no file is
+//! left half written, and a failure leaves an existing file unchanged.
 
 use std::collections::HashMap;
 use std::ffi::OsStr;
@@ -15,7 +15,7 @@ use image::{ExtendedColorType, ImageEncoder as _};
 
 use super::input::is_standard;
 
-/// The place of one picture.
+/// The destination of one picture.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Output {
     /// A PNG file.
@@ -34,11 +34,11 @@ impl fmt::Display for Output {
 }
 
 impl Output {
-    /// The place of each scene's picture. A folder that is needed and missing is made.
+    /// The destination of each scene's picture. A folder that is needed and missing is created.
     ///
     /// # Errors
-    /// Two pictures with one name, several on standard output, a name that is no .png, a folder
-    /// that cannot be made.
+    /// Two pictures have the same name, several go to standard output, a name does not end in .png, or a folder
+    /// cannot be created.
     pub(crate) fn plan(scenes: &[PathBuf], output: Option<&Path>) -> Result<Vec<Self>> {
         let folder = match output {
             None => PathBuf::new(),
@@ -90,7 +90,7 @@ impl Output {
                 }
             })
             .collect::<Result<_>>()?;
-        // Only now: a refused call leaves no folder behind.
+        // The folder is created only now, so that a refused call leaves no folder behind.
         if !folder.as_os_str().is_empty() {
             std::fs::create_dir_all(&folder)
                 .map_err(|error| Error::file("make the folder", folder, error))?;
@@ -98,10 +98,10 @@ impl Output {
         Ok(outputs)
     }
 
-    /// Refuses to write over a file that the scene was read from.
+    /// Refuses to overwrite a file that the scene was read from.
     ///
     /// # Errors
-    /// Names the file.
+    /// The error names the file.
     pub(crate) fn check_keeps(&self, files: &[PathBuf]) -> Result<()> {
         let Self::File(path) = self else { return Ok(()) };
         let Ok(place) = path.canonicalize() else { return Ok(()) };
@@ -116,7 +116,7 @@ impl Output {
     /// Writes a picture; without transparent pixels it has no alpha channel.
     ///
     /// # Errors
-    /// The file cannot be written; an older one stays as it was.
+    /// The file cannot be written; an existing file is left unchanged.
     pub(crate) fn write(&self, image: &Image) -> Result<()> {
         let path = match self {
             Self::File(path) => path.clone(),
@@ -166,12 +166,12 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes beside `path` and renames.
+/// Writes to a temporary file beside `path` and renames it.
 pub(crate) fn replace(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
-    // A link stays a link: its target is replaced.
+    // A symbolic link is kept; the file that it points to is replaced.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let mut name = std::ffi::OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
@@ -183,7 +183,7 @@ pub(crate) fn replace(
         file.flush()
     };
     write_part().and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
-        // The file may not exist; what went wrong is already known.
+        // The file may not exist; the first error is returned in any case.
         let _ = std::fs::remove_file(&part);
     })
 }
@@ -232,14 +232,14 @@ mod tests {
         let output = Output::File(path.clone());
         let opaque = Image::from_pixel(3, 2, image::Rgba([1, 2, 3, 255]));
         output.write(&opaque).unwrap();
-        // Another name of the old file keeps the old picture: nothing was written into it.
+        // A hard link to the old file keeps the old picture, because nothing was written into that file.
         let old = folder.path().join("old.png");
         std::fs::hard_link(&path, &old).unwrap();
         let clear = Image::from_pixel(3, 2, image::Rgba([1, 2, 3, 0]));
         output.write(&clear).unwrap();
         assert_eq!(image::open(&old).unwrap().into_rgba8(), opaque);
         std::fs::remove_file(&old).unwrap();
-        // What cannot be put in its place leaves nothing beside it.
+        // If the file cannot be put in its place, no temporary file is left beside it.
         let in_the_way = folder.path().join("folder.png");
         std::fs::create_dir(&in_the_way).unwrap();
         assert!(Output::File(in_the_way.clone()).write(&clear).is_err());

@@ -1,18 +1,18 @@
-//! What several things cost, measured in turns, because machines are noisy.
+//! The cost of several tasks, measured alternately because machines are noisy.
 
 use std::time::{Duration, Instant};
 
-/// How long something took.
+/// The time that a task took.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Timing {
     /// The median, in milliseconds.
     pub ms: f64,
-    /// The distance between the quartiles, over the median.
+    /// The interquartile range, divided by the median.
     pub spread: f64,
 }
 
 impl Timing {
-    /// Of some durations, of which there must be one.
+    /// The statistics of some durations, of which there must be at least one.
     fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
         let at = |share: usize| times[share * (times.len() - 1) / 4].as_secs_f64() * 1e3;
@@ -20,11 +20,11 @@ impl Timing {
     }
 }
 
-/// Does several things in turns, once to warm up and then `turns` times, and returns how long each took
-/// by the wall clock.
+/// Runs several tasks alternately, once to warm up and then `turns` times, and returns the wall-clock time of
+/// each.
 ///
 /// # Errors
-/// The first that one of them has.
+/// The first error of a task.
 pub fn in_turns<E>(
     turns: usize,
     things: &mut [&mut dyn FnMut() -> Result<(), E>],
@@ -36,11 +36,11 @@ pub fn in_turns<E>(
     })
 }
 
-/// Like [`in_turns`], by a clock of the caller's: `one` does a thing, by its number, and tells how long
-/// it took.
+/// Like [`in_turns`], with a clock of the caller's: `one` runs the task with the given number and returns the
+/// time that it took.
 ///
 /// # Errors
-/// The first that one of them has.
+/// The first error of a task.
 pub fn in_turns_by<E>(
     turns: usize,
     things: usize,

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// A generator of random numbers (SplitMix64): the same seed gives the same numbers.
+/// A random number generator (SplitMix64): the same seed gives the same numbers.
 #[derive(Debug, Clone)]
 pub struct Random(
     /// The seed, and then the state.
@@ -10,7 +10,7 @@ pub struct Random(
 );
 
 impl Random {
-    /// Any 64 bits.
+    /// 64 random bits.
     #[allow(clippy::should_implement_trait, reason = "an iterator without an end would be a trap")]
     pub const fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -24,12 +24,12 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// True in this percentage of cases.
+    /// True with this probability in percent.
     pub const fn chance(&mut self, percent: usize) -> bool {
         self.below(100) < percent
     }
 
-    /// A number from 0 to 1, without 1.
+    /// A number from 0 to 1, excluding 1.
     pub const fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }

@@ -7,14 +7,14 @@ use crate::bezier::bounding_box;
 use crate::camera::{Camera, Lens};
 use crate::scene::{Scene, Surface};
 
-/// How often a point is drawn again because trims cut it.
+/// How many times a point is drawn again because trims cut it.
 const TRIES: usize = 16;
 
 /// A random camera for a scene, with a vertical angle of view of 45° and any side up.
 /// The same `seed` and `index` always give the same camera.
 ///
-/// The size of a model is half the diagonal of its box, which is that of all control points in world
-/// space; it is 1 if they are all one point. `index` modulo 4 says where the camera is:
+/// The size of a model is half the diagonal of its box. The box is that of all control points in world space.
+/// The size is 1 if they are all one point. `index` modulo 4 selects where the camera is:
 ///
 /// | | the eye | looks at |
 /// |---|---|---|
@@ -23,9 +23,9 @@ const TRIES: usize = 16;
 /// | 2, very near | 0.02 to 0.2 sizes off a point of the surface, any direction | that point |
 /// | 3, grazing | 0.3 to 2 sizes off a point, 0.5° to 5° out of its tangent plane | that point |
 ///
-/// Points of the surface are drawn evenly over patches and (u, v), if possible where trims do not
-/// cut. Where numbers end and no such camera can be made, it is [`Scene::framed`] for `aspect`
-/// (width over height).
+/// Points of the surface are chosen uniformly over patches and (u, v), if possible where trims do not cut. If
+/// the values overflow and no such camera can be made, it is [`Scene::framed`] for `aspect` (width over
+/// height).
 #[must_use]
 pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera {
     let mut random = Random(Random(seed).next().wrapping_add(index));
@@ -41,7 +41,8 @@ pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera 
             (middle + random.direction() * (size * random.between(2.0, 20.0)), middle)
         }
         1 => {
-            // A flat model has no inside: seen from within its plane it would be nothing at all.
+            // The box is grown because a flat model has no inside: seen from within its plane it would be
+            // invisible.
             let (low, high) = (low - 0.1 * size, high + 0.1 * size);
             let eye = low + (high - low) * DVec3::from_array([(); 3].map(|()| random.unit()));
             (eye, eye + random.direction() * size)
@@ -70,7 +71,7 @@ pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera 
 }
 
 impl Random {
-    /// A point of the scene in world space, and the unit normal there if there is one.
+    /// A random point of the scene in world space, and the unit normal there if it is defined.
     fn surface_point(&mut self, scene: &Scene) -> (DVec3, Option<DVec3>) {
         let counts = scene.surfaces.iter().map(|surface| surface.patches().len());
         let count: usize = counts.sum();
@@ -103,7 +104,7 @@ mod tests {
     use crate::trim::Circle;
     use glam::{DMat4, DVec4, dvec2, dvec3};
 
-    /// The eye, and the unit direction that a camera looks in.
+    /// The eye, and the unit vector of the view direction.
     fn sight(camera: &Camera) -> (DVec3, DVec3) {
         let view = camera.projection([DVec3::ZERO].into_iter(), 1.5).view;
         (camera.eye(), -view.row(2).truncate())
@@ -126,7 +127,7 @@ mod tests {
         let mut sides = [0; 2];
         for index in 0..400 {
             let (eye, direction) = sight(&random_view(&scene, 5, index, 1.5));
-            // Where the sight meets the square's plane, but for one in it.
+            // The distance at which the view direction meets the square's plane, unless it lies in the plane.
             let distance = (1.0 - eye.z) / direction.z;
             let hit = eye + direction * distance;
             let on_square = (0.0..=3.0).contains(&hit.x)

@@ -1,9 +1,9 @@
-//! Which pixels a scene covers, in `f64` and without a level: patches are cut as finely as the
-//! picture needs.
+//! Which pixels a scene covers, in `f64` and independent of a tessellation level: patches are subdivided as
+//! finely as the picture needs.
 //!
-//! A patch in clip space is a patch of four coordinates, also a rational one. Second differences of
-//! its control points bound how far triangles between its points lie off it, so that each sub-patch of
-//! it gets as many triangles as keep that below [`TOLERANCE_PX`].
+//! In clip space, a patch is a patch of four coordinates, even if it is rational. Second differences of its
+//! control points bound how far the triangles between its points deviate from it. Each sub-patch gets the
+//! number of triangles that keeps this below [`TOLERANCE_PX`].
 
 mod rows;
 mod sub_patch;
@@ -20,7 +20,7 @@ use crate::trim::{TrimGrid, Trims};
 use rows::TrimRows;
 use sub_patch::SubPatch;
 
-/// How far triangles may lie off the surface, in pixels.
+/// The largest distance of triangles from the surface, in pixels.
 const TOLERANCE_PX: f64 = 0.03;
 
 /// How a scene covers a pixel. Pixels off the picture do not count as neighbours.
@@ -29,13 +29,13 @@ pub enum Cover {
     /// No surface at any pixel's centre within 1.5 pixels.
     #[default]
     Background,
-    /// No surface at the centre, but at another within 1.5 pixels.
+    /// No surface at the centre, but one at another centre within 1.5 pixels.
     Beside,
-    /// A surface at the centre; but at another centre within 1.5 pixels there is no surface, or trims cut one there
-    /// or may cut within this pixel.
+    /// A surface at the centre. But at another centre within 1.5 pixels there is no surface or trims cut one,
+    /// or trims may cut the surface within this pixel.
     Border,
-    /// A surface at every pixel's centre within 1.5 pixels, where trims cut none, and trims do not cut it
-    /// within this pixel.
+    /// A surface at every pixel's centre within 1.5 pixels. Trims cut no surface at these centres, and do not
+    /// cut the surface within this pixel.
     Inside,
 }
 
@@ -54,17 +54,16 @@ pub struct Coverage {
     pub size: (u32, u32),
     /// The pixels row by row from the top.
     pub pixels: Vec<Cover>,
-    /// How far the nearest surface at each pixel's centre is along the view axis, in world units, where
-    /// trims do not cut it; infinite where there is no surface.
+    /// The distance along the view axis, in world units, of the nearest surface at each pixel's centre that
+    /// trims do not cut there; infinite if there is none.
     pub distances: Vec<f64>,
 }
 
-/// Finds which pixels of a picture of `size` pixels a scene covers, right to 0.03 pixels: trims are
-/// decided by the oracle of the method at every centre, settings of the scene other than Newton's
-/// do not matter.
+/// Finds the pixels of a picture of `size` pixels that a scene covers, accurate to 0.03 pixels. At every
+/// centre, the oracle of the method decides the trims. Of the scene's settings, only Newton's matter.
 ///
 /// # Errors
-/// Loops that the thesis' method cannot cut, if that is asked for.
+/// The thesis' method is requested and cannot cut one of the loops.
 pub fn coverage(
     scene: &Scene,
     projection: &ViewProjection,
@@ -89,18 +88,18 @@ pub fn coverage(
     Ok(canvas.into_coverage(&depth))
 }
 
-/// How depth is told here: from the eye on, whatever the picture's clip planes are.
+/// The mapping of depth that is used here: it begins at the eye, independent of the picture's clip planes.
 #[derive(Debug, Clone, Copy)]
 enum Depth {
     /// z / w is 1 − 2 · nearest / distance.
     Perspective { nearest: f64 },
-    /// z / w goes from −1 at the least distance to 1 at the greatest.
+    /// z / w goes from −1 at the minimum distance to 1 at the maximum distance.
     Parallel { min: f64, max: f64 },
 }
 
 impl Depth {
     fn of(scene: &Scene, projection: &ViewProjection) -> Self {
-        /// Of the farthest distance; what is nearer to the eye's plane is not seen.
+        /// Relative to the maximum distance: points nearer to the eye's plane are not visible.
         const EYE: f64 = 2e-8;
         let distances = scene.surfaces.iter().flat_map(|surface| {
             let to_view = projection.view * surface.transform;
@@ -131,7 +130,7 @@ impl Depth {
         rows.transpose()
     }
 
-    /// The distance along the view axis of z / w.
+    /// The distance along the view axis for a value of z / w.
     fn distance(&self, z: f64) -> f64 {
         match self {
             Self::Perspective { nearest } => 2.0 * nearest / (1.0 - z),
@@ -140,11 +139,11 @@ impl Depth {
     }
 }
 
-/// Whether a scene leaves a gap within `radius_px` pixels of a pixel's centre, also one that is narrower than
-/// a pixel: a window around it is looked at closely.
+/// Whether a scene has a gap within `radius_px` pixels of a pixel's centre, even one narrower than a pixel. To
+/// find it, a window around the centre is magnified.
 ///
 /// # Errors
-/// As [`coverage`].
+/// The same as of [`coverage`].
 pub fn has_gap_near(
     scene: &Scene,
     projection: &ViewProjection,
@@ -163,7 +162,7 @@ pub fn has_gap_near(
     Ok(shown.pixels.iter().any(|cover| !cover.covered()))
 }
 
-/// Trims, fast enough to be asked at every pixel.
+/// Trims in a form that is fast enough to evaluate at every pixel.
 enum Cut<'a> {
     Nothing,
     Thesis(TrimDecision<'a>),
@@ -205,7 +204,7 @@ impl Corner {
     }
 }
 
-/// A pixel in the making.
+/// A pixel while the picture is made.
 #[derive(Clone, Copy)]
 struct Spot {
     covered: bool,
@@ -213,8 +212,8 @@ struct Spot {
     whole: bool,
     /// Whether trims cut any surface at the centre, one in front or behind.
     cut: bool,
-    /// A sub-patch that comes closer to the centre than the tolerance and does not cover it; sub-patches count
-    /// from 1.
+    /// The number of a sub-patch that comes closer to the centre than the tolerance but does not cover it.
+    /// Sub-patches count from 1.
     beside: u32,
     /// z / w of the nearest surface at the centre.
     nearest: f64,
@@ -226,15 +225,15 @@ impl Default for Spot {
     }
 }
 
-/// The picture in the making.
+/// The picture while it is made.
 ///
-/// Where sub-patches with different numbers of cells meet, gaps open that the surface does not have, at
-/// most as wide as the tolerance. So a centre that is this close to two sub-patches is covered.
+/// Where sub-patches with different numbers of cells meet, gaps open that the surface does not have. They are
+/// at most as wide as the tolerance. So a centre that is this close to two sub-patches counts as covered.
 struct Canvas {
     size: UVec2,
     spots: Vec<Spot>,
     sub_patches: u32,
-    /// The corners of the sub-patch that is drawn, kept for their memory.
+    /// The corners of the current sub-patch, kept to reuse their memory.
     corners: Vec<Corner>,
 }
 
@@ -266,7 +265,7 @@ impl Canvas {
             self.clipped_triangle(corners, sub_patch, cut);
             return;
         }
-        // In front of the near plane are three or four corners, or none.
+        // The part of the triangle in front of the near plane has three or four corners, or is empty.
         let mut polygon = [corners[0]; 4];
         let mut count = 0;
         for i in 0..3 {
@@ -293,7 +292,7 @@ impl Canvas {
             let ndc = corner.clip.truncate().truncate() / corner.clip.w;
             DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size
         });
-        // The first and the last column and row whose centres it may reach.
+        // The range of columns and rows whose centres the triangle may reach.
         let low = places[0].min(places[1]).min(places[2]) - 0.5 - TOLERANCE_PX;
         let high = places[0].max(places[1]).max(places[2]) - 0.5 + TOLERANCE_PX;
         let low = low.ceil().max(DVec2::ZERO);
@@ -378,7 +377,7 @@ impl Triangle {
         sum / over_w.iter().sum::<f64>()
     }
 
-    /// Puts what it shows at a pixel's centre into `spot`.
+    /// Updates `spot` with what the triangle shows at a pixel's centre.
     fn meet(
         &self,
         spot: &mut Spot,
@@ -409,7 +408,7 @@ impl Triangle {
             return;
         }
         let uv = self.uv(weights);
-        // Of the surface itself: in depth triangles may be far from it.
+        // The depth of the surface itself is used: in depth, the triangles may be far from it.
         let depth = sub_patch.depth(uv).clamp(-1.0, 1.0);
         let may_be_cut = !matches!(cut, Cut::Nothing);
         if spot.covered && depth >= spot.nearest && (spot.cut || !may_be_cut) {
@@ -433,8 +432,8 @@ impl Triangle {
         }
     }
 
-    /// Whether trims may cut the surface within a pixel: at a corner or in the middle of an edge, or by
-    /// something smaller, which the grid of the exact method does not rule out.
+    /// Whether trims may cut the surface within a pixel. The corners and the middles of the edges are tested.
+    /// For the exact method, something smaller is possible unless the grid rules it out.
     fn is_cut_around(&self, center: DVec2, cut: &Cut<'_>) -> bool {
         const AROUND: [f64; 3] = [-0.5, 0.0, 0.5];
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
@@ -482,7 +481,7 @@ mod tests {
     #[test]
     fn a_square_and_what_is_near_its_border() {
         let mut surface = plane(DVec2::ZERO, DVec2::ONE);
-        // A slot between two columns of centres: only the pixels beside it know.
+        // A slot between two columns of centres affects only the pixels beside it.
         let slot = crate::trim::Rect::new(dvec2(0.499, 0.501), dvec2(0.0, 1.0)).unwrap();
         surface.trims.rects.push(slot);
         let middle = dvec3(0.5, 0.5, 0.0);
@@ -562,7 +561,7 @@ mod tests {
 
     #[test]
     fn parts_of_different_fineness_leave_no_holes() {
-        // A hill that hides nothing of itself, from close above: only its border has a background.
+        // A hill seen from close above that hides no part of itself: only its border has a background.
         let mut surface = plane(DVec2::ZERO, DVec2::ONE);
         surface.set_control_point(DVec4::new(0.35, 0.3, 0.6, 1.0), 5).unwrap();
         let lens = Lens::Perspective { fov_y_radians: 1.2 };

@@ -1,11 +1,11 @@
-//! Triangles, lines and squares into pixels, with perspective-correct values and a depth buffer.
+//! Rasterises triangles, lines and squares, with perspective-correct values and a depth buffer.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, UVec2};
 
 use super::{Fragment, Picture, Pixel, to_bytes};
 use crate::scene::Image;
 
-/// A vertex in clip space with what is interpolated over triangles.
+/// A vertex in clip space with the values that are interpolated over triangles.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Vertex {
     clip: DVec4,
@@ -48,11 +48,11 @@ impl Vertex {
     }
 }
 
-/// Where a pixel's centre meets a triangle or line.
+/// The point of a triangle or line at a pixel's centre.
 pub(super) struct Sample {
     /// The interpolated values.
     pub(super) vertex: Vertex,
-    /// How far (u, v) goes with one pixel to the right and one down.
+    /// The change of (u, v) to the next pixel on the right and to the next pixel below.
     pub(super) uv_per_px: [DVec2; 2],
     /// Distance from the nearest edge of the triangle, in pixels.
     pub(super) edge_px: f64,
@@ -60,10 +60,10 @@ pub(super) struct Sample {
     pub(super) front: bool,
 }
 
-/// A sample's description, and its colour unless it is cut.
+/// Returns a sample's description, and its colour unless it is cut.
 type Shade<'a> = dyn FnMut(&Sample) -> (Option<DVec3>, Fragment) + 'a;
 
-/// A picture in the making.
+/// A picture while it is drawn.
 pub(super) struct Raster {
     size: UVec2,
     colors: Vec<DVec4>,
@@ -220,7 +220,7 @@ impl Raster {
             return;
         }
         let middle = self.window(clip);
-        // OpenGL drops a point whose middle is off the picture.
+        // OpenGL drops a point whose centre is outside the picture.
         if !(middle.cmpge(DVec2::ZERO).all() && middle.cmple(self.size.as_dvec2()).all()) {
             return;
         }
@@ -236,8 +236,8 @@ impl Raster {
     }
 }
 
-/// Whether a pixel at barycentric `weight` from the edge `a`–`b` is inside, or on an edge that its
-/// triangle owns: one on the left or a level one on top (y points down, corners turn clockwise).
+/// Whether a pixel at barycentric `weight` from the edge `a`–`b` is inside, or on an edge that belongs to its
+/// triangle: a left edge, or a horizontal edge at the top (y points down, corners turn clockwise).
 pub(super) fn owns(weight: f64, a: DVec2, b: DVec2) -> bool {
     let edge = b - a;
     weight > 0.0 || (weight == 0.0 && (edge.y < 0.0 || (edge.y == 0.0 && edge.x > 0.0)))

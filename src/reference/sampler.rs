@@ -1,11 +1,11 @@
-//! Pictures on surfaces: bilinear in each level, linear between levels, clamped to the edge, as
-//! `gpu::Texture` asks of the driver.
+//! Textures on surfaces: bilinear filtering in each mipmap level, linear between levels, clamped to the edge,
+//! as `gpu::Texture` requests from the driver.
 
 use glam::{DVec2, DVec4};
 
 use crate::scene::Paint;
 
-/// One level of a picture, rows from v = 0 upwards.
+/// One mipmap level, rows from v = 0 upwards.
 pub(super) struct Level {
     width: usize,
     height: usize,
@@ -13,7 +13,7 @@ pub(super) struct Level {
     texels: Vec<DVec4>,
 }
 
-/// A colour or a picture with its smaller levels.
+/// A colour, or a texture with its mipmap levels.
 pub(super) enum Sampler<'a> {
     Color(&'a [f32; 3]),
     Levels(Vec<Level>),
@@ -42,7 +42,7 @@ impl<'a> Sampler<'a> {
     /// The colour and alpha at `uv`. `uv_per_px` are the changes of (u, v) to the next pixel right and down.
     pub(super) fn sample(&self, uv: DVec2, uv_per_px: [DVec2; 2]) -> DVec4 {
         match self {
-            // The renderer keeps colours in textures of 8 bits.
+            // The renderer stores colours in textures of 8 bits.
             Self::Color([red, green, blue]) => DVec4::from(
                 [red, green, blue, &1.0]
                     .map(|channel| (f64::from(*channel) * 255.0).round() / 255.0),
@@ -61,7 +61,7 @@ impl<'a> Sampler<'a> {
 }
 
 impl Level {
-    /// The next smaller level, by averaging two by two; `None` after 1×1.
+    /// The next smaller level: each texel is the mean of two by two. `None` after 1×1.
     fn half(&self) -> Option<Self> {
         if self.width == 1 && self.height == 1 {
             return None;

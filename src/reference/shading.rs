@@ -1,4 +1,4 @@
-//! Light, in `f64`: the twin of `glsl/thesis/surface.frag`. Keep both in step.
+//! Lighting in `f64`: the twin of `glsl/thesis/surface.frag`. Keep both in step.
 
 use glam::{DMat4, DVec3};
 
@@ -8,11 +8,12 @@ const AMBIENT: f64 = 0.1;
 const SHININESS: f64 = 150.0;
 /// Height of the lights above and below the world's origin.
 const LIGHT_HEIGHT: f64 = 10.0;
-/// Farther than any scene reaches.
+/// Further away than any scene extends.
 const FAR_AWAY: f64 = 1e30;
 
-/// The two lights in view space: the thesis' at the world's (0, ±10, 0), or of the camera, from the left and above
-/// and from opposite. They are far enough away that only their direction matters.
+/// The two lights in view space. They are either the thesis' lights at the world's (0, ±10, 0), or the
+/// camera's: one from the upper left, and one from the opposite direction. The camera's lights are so far away
+/// that only their direction matters.
 pub(super) fn lights(light: Light, view: &DMat4) -> [DVec3; 2] {
     match light {
         Light::World => {
@@ -25,8 +26,8 @@ pub(super) fn lights(light: Light, view: &DMat4) -> [DVec3; 2] {
     }
 }
 
-/// Colour of a point of a surface. `position` and `normal` are in view space; the normal is taken as
-/// the triangles interpolate it, not made unit again, as in listing 13.
+/// Colour of a point of a surface. `position` and `normal` are in view space. The normal is used as the
+/// triangles interpolate it, without normalising it again, as in listing 13.
 pub(super) fn color(
     shading: Shading,
     paint: DVec3,
@@ -63,11 +64,12 @@ mod tests {
         let position = DVec3::new(0.0, 0.0, -2.0);
         let lights = lights(Light::World, &view);
         let lit = |normal| color(Shading::Phong, DVec3::splat(0.5), position, normal, lights);
-        // Ambient 0.05, diffuse 0.5, and both reflections go straight into the eye or away from it.
+        // Ambient 0.05, diffuse 0.5, and both reflections point exactly towards the eye or away from it.
         assert!((lit(DVec3::Z) - DVec3::splat(0.05 + 0.5 + 1.0)).length() < 1e-12);
-        // Both lights together treat the two sides of a surface alike.
+        // The two lights together light both sides of a surface alike.
         assert!((lit(-DVec3::Z) - lit(DVec3::Z)).length() < 1e-12);
-        // Across the light nothing is diffuse, but the lower light's mirror image is the eye's line.
+        // At a right angle to the light there is no diffuse term, but the lower light's reflection points to
+        // the eye.
         assert!((lit(DVec3::X) - DVec3::splat(0.05 + 1.0)).length() < 1e-9);
     }
 

@@ -1,28 +1,28 @@
-//! What keys do: one table, from which the window takes its actions, and the help, the README and
-//! `freeform view --list-bindings` their lists.
+//! The table of keys and their actions. The window takes its actions from it, and the help, the README and
+//! `freeform view --list-bindings` take their lists from it.
 
 use std::fmt;
 
-/// Something that a key asks for.
+/// An action that a key triggers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Action {
     /// One level finer.
     Finer,
     /// One level coarser.
     Coarser,
-    /// From one level back to the tolerance.
+    /// Returns from one level for all patches to the tolerance.
     UseTolerance,
     /// The next larger tolerance.
     LargerTolerance,
     /// The next smaller tolerance.
     SmallerTolerance,
-    /// Lines and control points.
+    /// Wireframe and control points on or off.
     Wireframe,
     /// A kind of trims on or off.
     Trim(TrimKind),
-    /// The other method.
+    /// Switches to the other method.
     Method,
-    /// Pictures on or off.
+    /// Textures on or off.
     Texture,
     /// Phong tessellation of meshes on or off.
     Phong,
@@ -30,13 +30,13 @@ pub(crate) enum Action {
     Pn,
     /// The turntable stops or starts.
     Turntable,
-    /// The camera as the scene has it.
+    /// Returns to the scene's camera.
     ResetCamera,
-    /// The camera sees everything.
+    /// Moves the camera so that it sees everything.
     Fit,
     /// The camera looks along an axis.
     LookFrom(Side),
-    /// From perspective to orthographic and back.
+    /// Switches between perspective and orthographic.
     Orthographic,
     /// The camera turns by a step: to the right, and up.
     Turn(i8, i8),
@@ -46,21 +46,21 @@ pub(crate) enum Action {
     Zoom(i8),
     /// The next scene of the folder.
     NextScene,
-    /// A picture beside the scene.
+    /// Writes a picture beside the scene's file.
     Screenshot,
-    /// The scene into a file.
+    /// Writes the scene to a file.
     Save,
-    /// The last edit is taken back.
+    /// Undoes the last edit.
     Undo,
-    /// What was taken back is done again.
+    /// Redoes the last undone edit.
     Redo,
-    /// Help, then nothing, then the panel.
+    /// Shows the help, then nothing, then the panel.
     Help,
-    /// The program ends.
+    /// Ends the program.
     Quit,
 }
 
-/// Kinds of trims, as the keys tell them apart.
+/// Kinds of trims, as the keys distinguish them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum TrimKind {
     /// Circles.
@@ -86,10 +86,10 @@ pub(crate) enum Side {
     Top,
 }
 
-/// A key, whatever window system it came from.
+/// A key, independent of the window system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Key {
-    /// A key that writes; letters are small.
+    /// A key that types a character; letters are lower-case.
     Char(char),
     Up,
     Down,
@@ -105,7 +105,7 @@ pub(crate) enum Key {
     F12,
 }
 
-/// The keys that are held besides.
+/// The modifier keys that are held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Modifiers {
     pub(crate) ctrl: bool,
@@ -119,7 +119,7 @@ pub(crate) struct Chord {
     pub(crate) modifiers: Modifiers,
 }
 
-/// One line of the table: several keys, each with its action, and what they do.
+/// One line of the table: several keys, the action of each, and a description.
 #[derive(Debug)]
 pub(crate) struct Binding {
     keys: &'static [(Chord, Action)],
@@ -146,7 +146,7 @@ const fn ctrl_shift(letter: char) -> Chord {
     Chord { key: Key::Char(letter), modifiers: Modifiers { ctrl: true, shift: true } }
 }
 
-/// All keys.
+/// All key bindings.
 pub(crate) const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[(plain(Key::Up), Action::Finer), (plain(Key::Down), Action::Coarser)],
@@ -217,7 +217,7 @@ pub(crate) const BINDINGS: &[Binding] = &[
     },
 ];
 
-/// What the mouse does, for the same lists.
+/// The mouse bindings, for the same lists.
 pub(crate) const MOUSE: &[(&str, &str)] = &[
     ("left drag", "turn the camera; on a highlighted control point, move it"),
     ("Shift + left drag, middle drag", "move the camera"),
@@ -226,7 +226,7 @@ pub(crate) const MOUSE: &[(&str, &str)] = &[
 ];
 
 impl Action {
-    /// What a key asks for, if anything.
+    /// The action of a key, if it has one.
     pub(crate) fn of(chord: Chord) -> Option<Self> {
         let chord = chord.normalized();
         BINDINGS
@@ -236,7 +236,7 @@ impl Action {
             .map(|(_, action)| *action)
     }
 
-    /// Whether holding the key down does it again and again.
+    /// Whether the action repeats while the key is held down.
     pub(crate) const fn repeats(self) -> bool {
         matches!(
             self,
@@ -254,13 +254,14 @@ impl Action {
 }
 
 impl Chord {
-    /// As the table has it: small letters, and no shift where it only serves to write the character.
+    /// The key as the table contains it: in lower case, and without Shift where it only serves to type the
+    /// character.
     fn normalized(self) -> Self {
         let Key::Char(char) = self.key else { return self };
         let ctrl = self.modifiers.ctrl;
         let shift = self.modifiers.shift && ctrl && char.is_alphabetic();
         let char = match char {
-            // The same key without shift.
+            // The same key without Shift.
             '=' => '+',
             '_' => '-',
             _ => char.to_lowercase().next().unwrap_or(char),
@@ -289,19 +290,19 @@ impl fmt::Display for Chord {
 }
 
 impl Binding {
-    /// The keys and what each of them does.
+    /// The keys, each with its action.
     pub(crate) fn keys_and_actions(&self) -> impl Iterator<Item = &'static (Chord, Action)> {
         self.keys.iter()
     }
 
-    /// The keys as a person reads them.
+    /// The keys in the form that users read.
     pub(crate) fn keys(&self) -> String {
         let keys: Vec<String> = self.keys.iter().map(|(chord, _)| chord.to_string()).collect();
         keys.join(", ")
     }
 }
 
-/// Keys and mouse with what they do, line by line.
+/// The keys and mouse inputs with their descriptions, line by line.
 pub(crate) fn lines() -> impl Iterator<Item = (String, &'static str)> {
     let keys = BINDINGS.iter().map(|binding| (binding.keys(), binding.help));
     keys.chain(MOUSE.iter().map(|(what, help)| ((*what).to_owned(), *help)))

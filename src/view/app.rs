@@ -1,4 +1,4 @@
-//! The window's events, one after the other, and a frame when something changed.
+//! Handles the window's events one after the other, and draws a frame when something has changed.
 
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Write as _;
@@ -24,11 +24,11 @@ use super::{ViewArguments, files, input, panel};
 use crate::io::input::LoadArguments;
 use crate::io::output::{Output, replace};
 
-/// A file and what it held, in short.
+/// A file and a hash of its contents.
 #[derive(Debug, PartialEq)]
 struct Contents {
     file: PathBuf,
-    /// Of its bytes; none if it cannot be read.
+    /// The hash of its bytes; `None` if it cannot be read.
     hash: Option<u64>,
 }
 
@@ -43,20 +43,20 @@ impl Contents {
     }
 }
 
-/// So long a changed file must rest before it is read: editors write in several steps.
+/// The time that a changed file must stay unchanged before it is read, because editors write in several steps.
 const REST: Duration = Duration::from_millis(100);
 
 /// Shows a window until it is closed.
 ///
 /// # Errors
-/// A scene that cannot be read, no window system, no OpenGL 4.5.
+/// The scene cannot be read, or there is no window system or no OpenGL 4.5.
 pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
     let scene = match &arguments.scene {
         Some(path) => arguments.load.load(path)?,
         None => Scene::listing16(),
     };
     let no_display = |error: winit::error::EventLoopError| {
-        // Before its last colon stands a line of winit's own source.
+        // The text before the last colon names a line of winit's source.
         let error = error.to_string();
         let reason = error.rsplit(": ").next().unwrap_or_default();
         let what = format!("no display ({reason}); freeform render draws without one");
@@ -86,9 +86,9 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
 #[derive(Debug)]
 struct Changed;
 
-/// The window and what is in it.
+/// The window and the objects that belong to it.
 struct Shown {
-    // The order matters: OpenGL objects go before the context.
+    // Fields are dropped in this order: OpenGL objects before the context.
     overlay: Overlay,
     screen: Screen,
     gl: GlWindow,
@@ -106,21 +106,21 @@ impl Shown {
 struct App {
     state: State,
     window: Option<Shown>,
-    /// Why there is no window.
+    /// The reason why there is no window.
     error: Option<Error>,
     modifiers: ModifiersState,
-    /// When the turntable turned last.
+    /// The time at which the turntable last turned.
     last_turn: Option<Instant>,
-    /// Where the scene was saved to.
+    /// The file to which the scene was saved.
     saved: Option<PathBuf>,
-    /// Takes word of changed files, if they are watched.
+    /// Reports changed files to the event loop, if they are watched.
     proxy: Option<EventLoopProxy<Changed>>,
     watch: Option<Watch>,
-    /// How scenes are read.
+    /// Options for reading scenes.
     load: LoadArguments,
-    /// What the scene's files held when they were read last.
+    /// The contents of the scene's files when they were last read.
     read: Vec<Contents>,
-    /// When the changed file is to be read.
+    /// The time at which the changed file will be read.
     reload_at: Option<Instant>,
     frames: u64,
 }
@@ -166,7 +166,7 @@ impl ApplicationHandler<Changed> for App {
             }
             WindowEvent::DroppedFile(ref path) => {
                 self.open(path);
-                // To the panel it hovers no more.
+                // The panel learns from this event that no file hovers over it any more.
                 self.hand_on(&event);
             }
             WindowEvent::KeyboardInput { event: ref key, is_synthetic, .. } => {
@@ -202,7 +202,7 @@ impl ApplicationHandler<Changed> for App {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // While the window system is still there.
+        // The window is dropped while the window system still exists.
         self.window = None;
     }
 }
@@ -214,7 +214,7 @@ impl App {
         }
     }
 
-    /// An event that the panel may want to show something of.
+    /// Passes an event to the panel, which may have to be redrawn for it.
     fn hand_on(&mut self, event: &WindowEvent) {
         if let Some(shown) = &mut self.window {
             shown.overlay.take(shown.gl.window(), event);
@@ -234,7 +234,7 @@ impl App {
         self.redraw();
     }
 
-    /// The mouse is the panel's where that is, and otherwise the picture's.
+    /// Passes the mouse's events to the panel if the cursor is over it, and otherwise to the picture.
     fn mouse(&mut self, event: &WindowEvent) {
         let Some(shown) = &mut self.window else { return };
         let place = match event {
@@ -268,7 +268,7 @@ impl App {
         }
     }
 
-    /// Shows another scene; one that cannot be read leaves this one.
+    /// Shows another scene. If it cannot be read, the current scene stays.
     fn open(&mut self, path: &Path) -> bool {
         let loaded = self.load.load(path);
         match self.state.report(loaded) {
@@ -292,7 +292,7 @@ impl App {
         }
     }
 
-    /// Watches the files of the scene, if that was asked for.
+    /// Watches the files of the scene, if this was requested.
     fn watch(&mut self) {
         self.watch = None;
         if let (Some(proxy), Some(file)) = (&self.proxy, self.state.file()) {
@@ -301,16 +301,16 @@ impl App {
             self.read = files.into_iter().map(Contents::of).collect();
             let files = self.read.iter().map(|contents| contents.file.as_path());
             let proxy = proxy.clone();
-            // Without a loop there is nobody to be told.
+            // Sending fails only if the event loop has ended.
             let watch = Watch::new(files, move || drop(proxy.send_event(Changed)));
             self.watch = self.state.report(watch);
         }
     }
 
-    /// Reads the scene's files again; one that cannot be read leaves the scene as it was.
+    /// Reads the scene's files again. If they cannot be read, the scene stays as it was.
     fn reload(&mut self) {
         let Some(path) = self.state.file() else { return };
-        // Being touched is no change. What cannot be read has its say below.
+        // A file whose contents are the same has not changed. Files that cannot be read are reported below.
         let read: Vec<Contents> =
             self.read.iter().map(|contents| Contents::of(contents.file.clone())).collect();
         let loaded = self.load.load(path);
@@ -321,12 +321,12 @@ impl App {
         }
         if let Some(scene) = self.state.report(loaded) {
             self.state.reload(scene);
-            // It may name other files now.
+            // The scene may name other files now.
             self.watch();
         }
     }
 
-    /// Writes the scene beside its file: to a new name first, then to the same again.
+    /// Writes the scene beside its file: under a new name the first time, and to that file again later.
     fn save(&mut self) {
         let file = self.state.file().map(PathBuf::as_path);
         let new = self.saved.is_none();
@@ -337,7 +337,7 @@ impl App {
         let written = path.and_then(|path| {
             write_scene(&self.state.saved_scene(), &path).inspect_err(|_| {
                 if new {
-                    // Nothing but the name was taken.
+                    // The file is empty: it only reserved the name.
                     let _ = std::fs::remove_file(&path);
                 }
             })?;
@@ -356,7 +356,7 @@ impl App {
                 let image = shown.screen.picture(&self.state)?;
                 let path = files::new_file(self.state.file().map(PathBuf::as_path), "", "png")?;
                 Output::File(path.clone()).write(&image).inspect_err(|_| {
-                    // Nothing but the name was taken.
+                    // The file is empty: it only reserved the name.
                     let _ = std::fs::remove_file(&path);
                 })?;
                 Ok(path)
@@ -371,14 +371,14 @@ impl App {
         let Some(shown) = &self.window else { return };
         let size = shown.gl.window().inner_size();
         if size.width == 0 || size.height == 0 {
-            // Minimised: nothing to draw until it is no more.
+            // The window is minimised; nothing is drawn until it is restored.
             self.wait(events, Duration::MAX);
             return;
         }
         let Some(shown) = &mut self.window else { return };
         let start = Instant::now();
         let mut draws = false;
-        // What is edited in the panel shows in the same frame.
+        // Edits in the panel are visible in the same frame.
         let mut again = Duration::MAX;
         for _ in 0..2 {
             if self.state.changed() || shown.screen.is_unfinished(&self.state) {
@@ -419,12 +419,12 @@ impl App {
         self.wait(events, again);
     }
 
-    /// Turns the turntable on by the time since the last frame.
+    /// Advances the turntable by the time since the last frame.
     fn turn(&mut self) {
         let now = Instant::now();
         let last = self.last_turn.replace(now).filter(|_| self.state.turntable);
         if let Some(last) = last {
-            // A frame that was long in coming turns no further than a step.
+            // After a long frame, the turntable turns by at most a tenth of a second.
             self.state.advance((now - last).as_secs_f64().min(0.1));
         }
     }
@@ -442,7 +442,7 @@ impl App {
     }
 }
 
-/// Writes a scene and what must stand beside it.
+/// Writes a scene and the files that it needs beside it.
 fn write_scene(scene: &Scene, path: &Path) -> Result<()> {
     let written = scene.to_toml(path)?;
     let text = (path.to_owned(), written.text.into_bytes());

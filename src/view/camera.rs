@@ -1,4 +1,4 @@
-//! How the camera moves: always upright, never over the poles.
+//! Camera motion: the camera stays upright and does not pass over the poles.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,25 +7,25 @@ use glam::{DQuat, DVec2, DVec3};
 
 use super::action::Side;
 
-/// The angle of view of a camera that was orthographic from the beginning.
+/// The angle of view after switching to perspective, for a camera that was orthographic from the start.
 const FOV_Y_RADIANS: f64 = 40.0 * std::f64::consts::PI / 180.0;
-/// The least and the largest distance that zooming goes to, and heights of orthographic pictures.
+/// The range of distances that zooming allows, and of the heights of orthographic pictures.
 const DISTANCES: std::ops::RangeInclusive<f64> = 1e-9..=1e12;
 
-/// Turns cameras around what they look at.
+/// Turns cameras around their targets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Mover {
-    /// The axis that stands upright.
+    /// The up axis.
     up: DVec3,
-    /// What perspective has when orthographic ends.
+    /// The angle of view after switching from orthographic to perspective.
     fov_y_radians: f64,
 }
 
 impl Mover {
-    /// For a scene with this axis upright, seen by this camera at first.
+    /// For a scene with this up axis and this first camera.
     pub(crate) fn new(up: DVec3, camera: Option<&Camera>) -> Self {
         let up = up.normalize_or(DVec3::Y);
-        // A camera that leans to a side has an axis of its own.
+        // A camera that is rolled has an up axis of its own.
         let up = match camera {
             Some(camera) if View::of(camera).right.dot(up).abs() > 1e-6 => camera.up().normalize(),
             _ => up,
@@ -40,7 +40,7 @@ impl Mover {
     /// Turns the camera around its target, to the right and up, in radians.
     pub(crate) fn turn(&self, camera: &Camera, by: DVec2) -> Result<Camera> {
         let view = View::of(camera);
-        // Level, whatever the pitch.
+        // Horizontal at any pitch.
         let right = (view.right - self.up * view.right.dot(self.up)).normalize_or(view.right);
         let level = right.cross(self.up).normalize_or(view.back);
         let pitch = view.back.dot(self.up).atan2(view.back.dot(level));
@@ -48,18 +48,18 @@ impl Mover {
         self.look(camera, DQuat::from_axis_angle(self.up, by.x) * level, pitch)
     }
 
-    /// The camera at its distance, in a level direction, raised by `pitch` (radians).
+    /// The camera at its distance, in a horizontal direction, raised by `pitch` (radians).
     fn look(&self, camera: &Camera, level: DVec3, pitch: f64) -> Result<Camera> {
         let (sin, cos) = pitch.sin_cos();
         let back = level * cos + self.up * sin;
-        // At the poles the picture's upper border is where the camera came from.
+        // At the poles, the top of the picture points to where the camera came from.
         let steep = pitch.abs() > FRAC_PI_2 - 1e-3;
         let up = if steep { self.up * cos - level * sin } else { self.up };
         let eye = camera.target() + back * View::of(camera).distance;
         Camera::new(eye, camera.target(), up, camera.lens())
     }
 
-    /// The camera at its distance, seeing its target from a side.
+    /// The camera at its distance, looking at its target from a side.
     pub(crate) fn look_from(&self, camera: &Camera, side: Side) -> Result<Camera> {
         let front = if self.up.z.abs() > self.up.y.abs() { -DVec3::Y } else { DVec3::Z };
         let right = self.up.cross(front).normalize();
@@ -71,7 +71,7 @@ impl Mover {
         }
     }
 
-    /// From perspective to orthographic and back; what lies at the target keeps its size.
+    /// Switches between perspective and orthographic; objects at the target keep their size.
     pub(crate) fn other_lens(&mut self, camera: &Camera) -> Result<Camera> {
         let view = View::of(camera);
         let (eye, lens) = match camera.lens() {
@@ -89,15 +89,15 @@ impl Mover {
     }
 }
 
-/// Moves the camera to the right and up, in parts of the picture's height at the target.
+/// Moves the camera to the right and up, in fractions of the picture's height at the target.
 pub(crate) fn pan(camera: &Camera, by: DVec2) -> Result<Camera> {
     let view = View::of(camera);
     let by = (view.right * by.x + view.up * by.y) * view.height;
     Camera::new(camera.eye() + by, camera.target() + by, camera.up(), camera.lens())
 }
 
-/// Makes everything at the target `factor` times as near. What lies under the cursor there stays; the
-/// cursor is given from the middle of the picture, in parts of its height, up.
+/// Scales the distance of the target by `factor`. The point at the target's distance that lies under the cursor
+/// stays in place. The cursor is measured from the centre of the picture, in fractions of its height, upwards.
 pub(crate) fn zoom(camera: &Camera, factor: f64, cursor: DVec2) -> Result<Camera> {
     let view = View::of(camera);
     if !DISTANCES.contains(&(view.distance * factor))
@@ -114,7 +114,7 @@ pub(crate) fn zoom(camera: &Camera, factor: f64, cursor: DVec2) -> Result<Camera
     Camera::new(nearer(camera.eye()), nearer(camera.target()), camera.up(), lens)
 }
 
-/// What a camera sees at its target.
+/// The view of a camera at its target.
 struct View {
     right: DVec3,
     up: DVec3,
@@ -149,7 +149,7 @@ mod tests {
         Camera::new(dvec3(1.0, 2.0, 5.0), dvec3(0.5, 0.0, 0.25), DVec3::Y, lens).unwrap()
     }
 
-    /// Where a point is seen, in parts of the picture's height from its middle.
+    /// The place of a point in the picture, from the centre in fractions of its height.
     fn seen(camera: &Camera, point: DVec3) -> DVec2 {
         let matrices = camera.projection([point, camera.target()].into_iter(), 1.0);
         (matrices.projection * matrices.view).project_point3(point).xy() * 0.5
@@ -165,7 +165,7 @@ mod tests {
             assert_eq!(turned.target(), start.target());
             let distance = turned.eye().distance(turned.target());
             assert!((distance - start.eye().distance(start.target())).abs() < 1e-9);
-            // Upright: the axis has no part to the right.
+            // The camera is upright: its right vector has no component along the axis.
             assert!(View::of(&turned).right.y.abs() < 1e-9);
         }
         let there = mover.turn(&start, dvec2(0.7, 0.2)).unwrap();

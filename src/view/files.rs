@@ -1,4 +1,4 @@
-//! Files beside a scene: the next one, and names that are not taken.
+//! Files beside a scene: the next scene of the folder, and unused names.
 
 use std::fs::File;
 use std::io::ErrorKind;
@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use crate::io::{Error, Result};
 
-/// Whether a file may be a scene, by its name.
+/// Whether a file's name has the extension of a scene.
 fn is_scene(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     matches!(extension.as_deref(), Some("toml" | "bpt" | "obj"))
 }
 
-/// The scenes of a folder in the order of their names.
+/// The scenes of a folder, sorted by name.
 fn scenes_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let fail = |error: std::io::Error| Error::file("read the folder", folder, error);
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
@@ -27,10 +27,11 @@ fn scenes_in(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(scenes)
 }
 
-/// The scenes of the file's folder that follow it, one after the other, up to the file itself.
+/// The scenes that follow the file in its folder. After the last one come those before the file; the file
+/// itself is left out.
 ///
 /// # Errors
-/// A folder that cannot be read, or without another scene.
+/// The folder cannot be read, or contains no other scene.
 pub(crate) fn next_scenes(file: Option<&Path>) -> Result<Vec<PathBuf>> {
     let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
     let mut scenes = scenes_in(folder)?;
@@ -50,11 +51,11 @@ pub(crate) fn next_scenes(file: Option<&Path>) -> Result<Vec<PathBuf>> {
     Ok(scenes)
 }
 
-/// Makes an empty file beside the scene that was not there before: its name, what is added, a number if it
-/// must, and the extension.
+/// Creates a new empty file beside the scene. Its name consists of the scene's name, `added`, the first unused
+/// number, and the extension.
 ///
 /// # Errors
-/// A folder that cannot be written to.
+/// The folder is not writable.
 pub(crate) fn new_file(scene: Option<&Path>, added: &str, extension: &str) -> Result<PathBuf> {
     let scene = scene.unwrap_or(Path::new("freeform"));
     let stem = scene.file_stem().unwrap_or(scene.as_os_str()).to_string_lossy();
@@ -85,7 +86,7 @@ mod tests {
         std::fs::create_dir(path("f.toml")).unwrap();
         let next = next_scenes(Some(&path("b.toml"))).unwrap();
         assert_eq!(next, [path("c.OBJ"), path("a.bpt")]);
-        // A file that is gone has all the others.
+        // If the file is gone, all scenes of the folder follow.
         assert_eq!(next_scenes(Some(&path("gone.toml"))).unwrap().len(), 3);
         let alone = tempfile::tempdir().unwrap();
         let own = alone.path().join("a.toml");

@@ -1,4 +1,4 @@
-//! The mouse over the picture: what a press begins, and what moving makes of it.
+//! The mouse over the picture: the gesture that a press begins, and the effect of moving the mouse.
 
 use std::f64::consts::PI;
 
@@ -10,11 +10,11 @@ use super::pointer::{Button, Gesture};
 use super::state::{State, ZOOM};
 use super::undo::Change;
 
-/// How much nearer dragging over the whole height of the picture brings, as a power of e.
+/// Dragging over the whole height of the picture zooms by e to this power.
 const DRAG_ZOOM: f64 = 4.0;
 
 impl State {
-    /// A button goes down where the cursor is; beside one that is held it does nothing.
+    /// Presses a button at the cursor. This does nothing while another button is held.
     pub(crate) fn press_button(&mut self, button: Button, shift: bool) {
         if self.pointer.held.is_some() {
             return;
@@ -34,7 +34,7 @@ impl State {
         }
     }
 
-    /// A button goes up.
+    /// Releases a button.
     pub(crate) fn release_button(&mut self, button: Button) {
         if self.pointer.held == Some(button) {
             self.pointer.held = None;
@@ -43,12 +43,12 @@ impl State {
         }
     }
 
-    /// The cursor leaves the picture; true if something was under it.
+    /// The cursor leaves the picture; returns true if something was under it.
     pub(crate) const fn leave(&mut self) -> bool {
         self.pointer.hovered.take().is_some()
     }
 
-    /// The cursor moves, over the picture or the panel; true if anything is to be shown of that.
+    /// The cursor moves, over the picture or the panel; returns true if this has a visible effect.
     pub(crate) fn move_to(&mut self, place: DVec2, over_picture: bool) -> bool {
         let by = (place - self.pointer.place) * dvec2(1.0, -1.0) / self.size().y;
         self.pointer.place = place;
@@ -58,7 +58,7 @@ impl State {
         let camera = self.hold_camera();
         let done = match self.pointer.gesture {
             Gesture::None => Ok(()),
-            // What is in front follows the cursor.
+            // The side that faces the viewer follows the cursor.
             Gesture::Turn => self.look(self.mover().turn(&camera, -by * PI)),
             Gesture::Pan => self.look(camera::pan(&camera, -by)),
             Gesture::Zoom(from) => {
@@ -74,17 +74,17 @@ impl State {
         true
     }
 
-    /// The wheel turns; above 0 is nearer.
+    /// Turns the wheel; positive values zoom in.
     pub(crate) fn turn_wheel(&mut self, steps: f64) {
         let camera = self.hold_camera();
-        // A broken device may send anything.
+        // A broken device may send any value.
         let factor = ZOOM.powf(steps.clamp(-20.0, 20.0));
         let looked = self.look(camera::zoom(&camera, factor, self.off_middle(self.pointer.place)));
         self.report(looked);
         self.hover();
     }
 
-    /// A place counted from the middle of the picture, in parts of its height, up.
+    /// A place measured from the centre of the picture, in fractions of its height, upwards.
     fn off_middle(&self, place: DVec2) -> DVec2 {
         (place - 0.5 * self.size()) * dvec2(1.0, -1.0) / self.size().y
     }

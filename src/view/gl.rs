@@ -21,9 +21,10 @@ use winit::event_loop::ActiveEventLoop;
 use winit::raw_window_handle::HasWindowHandle as _;
 use winit::window::Window;
 
-/// A window, what it shows, and the context that draws it; current on its thread until it is dropped.
+/// A window, its surface, and the context that draws into it. The context is current on its thread until it is
+/// dropped.
 pub(super) struct GlWindow {
-    // The order matters: the surface goes before the context, and both before the window.
+    // Fields are dropped in this order: the surface before the context, and both before the window.
     surface: Surface<WindowSurface>,
     context: PossiblyCurrentContext,
     gl: Gl,
@@ -41,13 +42,13 @@ impl GlWindow {
         let attributes = Window::default_attributes()
             .with_title(title)
             .with_inner_size(LogicalSize::new(1000, 600));
-        // The scene has a framebuffer of its own: the window needs no depth and no samples.
+        // The scene is drawn into a framebuffer of its own, so the window needs neither depth nor samples.
         let template = ConfigTemplateBuilder::new().with_depth_size(0).with_stencil_size(0);
         let (window, config): (_, Config) = DisplayBuilder::new()
             .with_preference(ApiPreference::FallbackEgl)
             .with_window_attributes(Some(attributes))
             .build(events, template, |mut configs| {
-                // There is no way to hand an error on from here.
+                // This closure cannot return an error.
                 configs.next().unwrap_or_else(|| {
                     eprintln!("freeform: {}", unavailable("no configuration of pixels"));
                     std::process::exit(1)
@@ -74,17 +75,17 @@ impl GlWindow {
             (context, display.create_window_surface(&config, &surface)?)
         };
         let context = context.make_current(&surface)?;
-        // Without it frames are drawn as fast as they come, which is well too.
+        // Without vertical synchronisation, frames are shown as fast as they are drawn, which is acceptable.
         if let Err(error) = surface.set_swap_interval(&context, SwapInterval::Wait(NonZeroU32::MIN))
         {
             log::debug!("frames do not wait for the screen: {error}");
         }
-        // SAFETY: the context is current, so the functions that the display names are its own.
+        // SAFETY: the context is current, so the functions that the display returns belong to it.
         let mut gl = unsafe {
             glow::Context::from_loader_function_cstr(|name| display.get_proc_address(name))
         };
         let debug_log = DebugLog::install(&mut gl);
-        // SAFETY: the context stays current; what is drawn goes before it (see `Shown`).
+        // SAFETY: the context stays current; all objects drawn with it are dropped before it (see `Shown`).
         let gl = unsafe { Gl::new(gl) };
         Ok(Self { surface, context, gl, debug_log, window })
     }
@@ -97,17 +98,17 @@ impl GlWindow {
         &self.window
     }
 
-    /// What the driver complained of since the last call.
+    /// The errors that the driver reported since the last call.
     pub(super) fn take_errors(&self) -> Vec<String> {
         self.debug_log.take_errors()
     }
 
-    /// The window has another size.
+    /// Adapts the surface to the window's new size.
     pub(super) fn resize(&self) {
         self.window.resize_surface(&self.surface, &self.context);
     }
 
-    /// Makes the window's pixels what is drawn into, all black.
+    /// Binds the window's framebuffer for drawing and clears it to black.
     pub(super) fn begin(&self) {
         // SAFETY: the context is current (see the type).
         unsafe {
@@ -118,7 +119,7 @@ impl GlWindow {
         }
     }
 
-    /// Undoes what the panel's painter leaves and the renderer takes as it is.
+    /// Resets state that the panel's painter leaves changed and that the renderer relies on.
     pub(super) fn reset(&self) {
         // SAFETY: the context is current (see the type).
         unsafe {
@@ -128,7 +129,7 @@ impl GlWindow {
         }
     }
 
-    /// Shows what was drawn.
+    /// Shows the drawn frame.
     pub(super) fn swap(&self) -> Result<()> {
         self.surface.swap_buffers(&self.context).map_err(|error| Error::Driver {
             what: "the picture in the window".into(),
@@ -137,7 +138,7 @@ impl GlWindow {
     }
 }
 
-/// Why there is no window.
+/// The error for a window that cannot be opened.
 fn unavailable(reason: impl std::fmt::Display) -> Error {
     Error::Window(format!(
         "no window with OpenGL 4.5 ({reason}); freeform render draws without one"
@@ -146,7 +147,7 @@ fn unavailable(reason: impl std::fmt::Display) -> Error {
 
 impl Drop for GlWindow {
     fn drop(&mut self) {
-        // What the renderer frees belongs to this context.
+        // The objects that the renderer frees belong to this context.
         if let Err(error) = self.context.make_current(&self.surface) {
             log::debug!("a window is closed without its context: {error}");
         }

@@ -1,4 +1,4 @@
-//! Keys and buttons of the window system as the table of actions has them.
+//! Keys and buttons of the window system, translated into those of the table of actions.
 
 use winit::event::{MouseButton, MouseScrollDelta};
 use winit::keyboard::{self, ModifiersState, NamedKey};
@@ -9,7 +9,7 @@ use super::pointer::Button;
 /// Pixels of a touchpad that count as one step of a wheel.
 const WHEEL_STEP_PX: f64 = 40.0;
 
-/// A pressed key, if it is one that the table may have.
+/// A pressed key, if the table may contain it.
 pub(super) fn chord(key: &keyboard::Key, modifiers: ModifiersState) -> Option<Chord> {
     let key = match key {
         keyboard::Key::Character(text) => Key::Char(text.chars().next()?),
@@ -30,7 +30,7 @@ pub(super) fn chord(key: &keyboard::Key, modifiers: ModifiersState) -> Option<Ch
         },
         _ => return None,
     };
-    // Alt and the window system's own key are for others.
+    // Keys with Alt or with the window system's own modifier belong to other programs.
     if modifiers.alt_key() || modifiers.super_key() {
         return None;
     }
@@ -38,7 +38,7 @@ pub(super) fn chord(key: &keyboard::Key, modifiers: ModifiersState) -> Option<Ch
     Some(Chord { key, modifiers })
 }
 
-/// A button that does something.
+/// A mouse button, if it has an effect.
 pub(super) const fn button(button: MouseButton) -> Option<Button> {
     match button {
         MouseButton::Left => Some(Button::Left),
@@ -48,7 +48,7 @@ pub(super) const fn button(button: MouseButton) -> Option<Button> {
     }
 }
 
-/// Steps of the wheel; above 0 is away from the hand.
+/// Steps of the wheel; positive values are away from the user.
 pub(super) fn wheel_steps(delta: MouseScrollDelta) -> f64 {
     let steps = match delta {
         MouseScrollDelta::LineDelta(_, lines) => f64::from(lines),

@@ -1,4 +1,4 @@
-//! The domain of a surface in the panel: its trims, and their points to pull.
+//! The inset in the panel: the domain of a surface with its trims and their draggable points.
 
 use egui::{Color32, Pos2, Rect, Sense, Shape, Stroke, Ui, pos2, vec2};
 use freeform_surface::{Result, Segment, Trims};
@@ -7,23 +7,23 @@ use glam::{DVec2, dvec2};
 use super::pick::PICK_PX;
 use super::trims::{Handle, handles, pulled};
 
-/// Points a side.
+/// Length of a side in points.
 const SIDE: f32 = 200.0;
-/// Of more segments no points are shown: they would hide the curves.
+/// If there are more segments than this, no draggable points are shown, because they would hide the curves.
 const MANY_TO_PULL: usize = 100;
-/// More segments are drawn coarsely.
+/// If there are more segments than this, they are drawn coarsely.
 const MANY: usize = 2_000;
 
 const ON: Color32 = Color32::from_rgb(255, 170, 60);
 const OFF: Color32 = Color32::from_gray(110);
 const POINT: Color32 = Color32::from_rgb(0, 128, 255);
-/// Gold: what the cursor is over, here and in the picture.
+/// Gold: highlights the object under the cursor, here and in the picture.
 pub(super) const HIGHLIGHT: Color32 = Color32::from_rgb(255, 220, 80);
 
-/// Draws the trims over the unit square. Returns them changed if one of their points was pulled.
+/// Draws the trims over the unit square. Returns the changed trims if one of their points was dragged.
 pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
     let (response, painter) = ui.allocate_painter(vec2(SIDE, SIDE), Sense::drag());
-    // Room for points that lie a little outside.
+    // Leaves room for points that lie a little outside.
     let square = response.rect.shrink(14.0);
     painter.rect_filled(response.rect, 2.0, Color32::from_gray(25));
     let border = Stroke::new(1.0, Color32::from_gray(160));
@@ -58,11 +58,11 @@ pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
     held.zip(pointer).map(|(handle, at)| pulled(trims, handle, domain(square, at)))
 }
 
-/// The point that is being pulled.
+/// The point that is being dragged.
 #[derive(Debug, Clone, Copy, Default)]
 struct Held(Option<Handle>);
 
-/// Where a point of the domain lies; v is upwards.
+/// The place of a point of the domain in the inset; v points upwards.
 fn place(square: Rect, uv: DVec2) -> Pos2 {
     let size = square.size();
     pos2(square.left() + uv.x as f32 * size.x, square.bottom() - uv.y as f32 * size.y)

@@ -16,9 +16,9 @@ pub(super) struct Overlay {
     context: Context,
     input: egui_winit::State,
     painter: Painter,
-    /// What it covered when it was last painted.
+    /// The rectangles that it covered when it was last painted.
     covered: Vec<Rect>,
-    /// Whether the mouse was there when that was asked last.
+    /// Whether the mouse was over it at the last call of `is_over`.
     over: bool,
 }
 
@@ -29,9 +29,9 @@ impl Overlay {
                 Error::Driver { what: "the panel".into(), reason: error.to_string() }
             })?;
         let context = Context::default();
-        // Its own zoom keys are the tolerance's.
+        // The keys of egui's own zoom are used for the tolerance.
         context.options_mut(|options| options.zoom_with_keyboard = false);
-        // A blinking caret would draw frames at rest.
+        // A blinking caret would cause frames while nothing changes.
         context.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
         let input = egui_winit::State::new(
             context.clone(),
@@ -44,18 +44,18 @@ impl Overlay {
         Ok(Self { context, input, painter, covered: Vec::new(), over: false })
     }
 
-    /// Hands an event on.
+    /// Passes an event on.
     pub(super) fn take(&mut self, window: &Window, event: &WindowEvent) {
         let _ = self.input.on_window_event(window, event);
     }
 
-    /// Whether keys are for a field of the panel that is being written in.
+    /// Whether a text field of the panel receives the keys.
     pub(super) fn wants_keys(&self) -> bool {
         self.context.egui_wants_keyboard_input()
     }
 
-    /// Whether the mouse at this pixel is for the panel, and whether that, or that it was so before,
-    /// is to be shown.
+    /// Whether the mouse at this pixel belongs to the panel, and whether the panel has to be redrawn for the
+    /// mouse. The latter is also true if the mouse belonged to the panel at the last call.
     pub(super) fn is_over(&mut self, x: f64, y: f64) -> (bool, bool) {
         let scale = self.context.pixels_per_point();
         let place = Pos2::new(x as f32 / scale, y as f32 / scale);
@@ -65,8 +65,8 @@ impl Overlay {
         (over, std::mem::replace(&mut self.over, over) || over)
     }
 
-    /// Paints what `show` lays out, which returns what it covers. Tells when it wants to be painted
-    /// again by itself.
+    /// Paints the layout that `show` makes; `show` returns the rectangles that it covers. Returns the time
+    /// after which egui wants to be painted again.
     pub(super) fn paint(
         &mut self,
         window: &Window,

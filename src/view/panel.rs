@@ -1,5 +1,4 @@
-//! What lies over the picture: the panel, the help, the last message and the control point under the
-//! cursor.
+//! The overlay over the picture: the panel, the help, the last message, and the control point under the cursor.
 
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::{
@@ -15,7 +14,7 @@ use super::{action, inset};
 
 const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
 
-/// Lays everything out; returns what takes the mouse.
+/// Lays out the overlay; returns the rectangles that receive the mouse.
 pub(super) fn show(
     context: &Context,
     state: &mut State,
@@ -77,7 +76,7 @@ fn message(context: &Context, state: &State) {
 }
 
 fn help(ui: &mut Ui) {
-    // All of it fits a small window.
+    // The spacing is small so that the whole panel fits a small window.
     ui.spacing_mut().item_spacing.y = 1.0;
     egui::Grid::new("bindings").num_columns(2).min_row_height(0.0).show(ui, |ui| {
         for (keys, help) in action::lines() {
@@ -185,7 +184,7 @@ fn style(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// A button for a colour whose channels are taken as they are, as everywhere here.
+/// A button for a colour. Its channels are used without conversion, as everywhere in this program.
 fn color(ui: &mut Ui, rgb: &mut [f32; 3]) -> bool {
     let mut bytes = rgb.map(|channel| (channel * 255.0).round() as u8);
     let changed = ui.color_edit_button_srgb(&mut bytes).changed();
@@ -202,7 +201,7 @@ fn newton(ui: &mut Ui, state: &mut State) {
         ui.label("Newton");
         ui.add(egui::DragValue::new(&mut iterations).range(1..=Newton::MAX_ITERATIONS));
         let value = egui::DragValue::new(&mut epsilon).range(1e-9..=1.0).speed(1e-4);
-        // What the scene came with stays as it is until it is changed.
+        // A value from the scene is not clamped until it is edited.
         ui.add(value.clamp_existing_to_range(false).prefix("ε ").max_decimals(9));
     });
     let chosen = Newton::new(iterations, epsilon);
@@ -225,7 +224,7 @@ fn mesh(ui: &mut Ui, state: &mut State) {
     });
 }
 
-/// A colour that can be changed, or what picture there is.
+/// A colour that can be edited, or the size of the texture.
 fn paint(
     ui: &mut Ui,
     state: &mut State,
@@ -268,10 +267,10 @@ fn surface(ui: &mut Ui, state: &mut State) {
     }
 }
 
-/// The numbers of all shapes, as far as there are few, and how many loops there are; trims with other
-/// numbers if any was changed.
+/// Fields for the values of shapes, if there are only a few, and the number of loops. Returns the changed trims
+/// if a value was edited.
 fn numbers(ui: &mut Ui, trims: &Trims) -> Option<Trims> {
-    // Loops may be many, and are copied only for a change.
+    // There may be many loops, so they are copied only for a change.
     let own = Trims {
         circles: trims.circles.clone(),
         rects: trims.rects.clone(),
@@ -291,7 +290,7 @@ fn numbers(ui: &mut Ui, trims: &Trims) -> Option<Trims> {
     (edited != own).then(|| Trims { loops: loops.clone(), paths: paths.clone(), ..edited })
 }
 
-/// The numbers of circles, intervals and ellipses.
+/// Fields for the values of circles, intervals and ellipses.
 fn shapes(ui: &mut Ui, trims: &mut Trims) {
     const MAX: usize = 8;
     fn number(ui: &mut Ui, value: &mut f64) {

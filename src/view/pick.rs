@@ -1,9 +1,9 @@
-//! Which control point lies under the cursor, and where it goes when it is dragged.
+//! Picking of control points under the cursor, and their places while they are dragged.
 
 use freeform_surface::{Scene, Surface, ViewProjection};
 use glam::{DVec2, DVec3, DVec4, Vec3Swizzles as _, Vec4Swizzles as _, dvec2};
 
-/// How near the cursor must come to a control point, in pixels.
+/// The largest distance in pixels between the cursor and a control point that it picks.
 pub(crate) const PICK_PX: f64 = 10.0;
 
 /// A control point of a scene.
@@ -15,8 +15,8 @@ pub(crate) struct PointId {
     pub(crate) index: usize,
 }
 
-/// Where a point of the world is in the picture: pixels from its upper left corner, and the depth, −1 to 1.
-/// Nothing behind the eye has a place.
+/// The place of a point of the world in the picture: pixels from the upper left corner, and the depth, −1 to 1.
+/// It is `None` for points behind the eye.
 pub(crate) fn on_screen(projection: &ViewProjection, size: DVec2, point: DVec3) -> Option<DVec3> {
     let clip = projection.projection * projection.view * point.extend(1.0);
     (clip.w > 0.0).then(|| {
@@ -32,7 +32,7 @@ fn in_world(projection: &ViewProjection, size: DVec2, place: DVec3) -> DVec3 {
     (projection.projection * projection.view).inverse().project_point3(ndc)
 }
 
-/// The control point that is nearest to the cursor, if one is near enough.
+/// The control point nearest to the cursor, if it is close enough.
 pub(crate) fn pick(
     scene: &Scene,
     projection: &ViewProjection,

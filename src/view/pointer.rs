@@ -1,4 +1,4 @@
-//! Where the mouse is over the picture, and what it holds.
+//! The place of the mouse over the picture, and its current gesture.
 
 use glam::DVec2;
 
@@ -12,31 +12,31 @@ pub(crate) enum Button {
     Right,
 }
 
-/// What a held button does.
+/// The gesture of a held button.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) enum Gesture {
     #[default]
     None,
     Turn,
     Pan,
-    /// Around the place where it began.
+    /// Zooms around the place where the gesture began.
     Zoom(DVec2),
     Move(PointId),
 }
 
-/// Where the cursor is and what it does.
+/// The place of the cursor and its gesture.
 #[derive(Debug, Default)]
 pub(crate) struct Pointer {
     /// Pixels from the upper left corner.
     pub(super) place: DVec2,
     pub(super) gesture: Gesture,
-    /// The button that began it.
+    /// The button that began the gesture.
     pub(super) held: Option<Button>,
     pub(super) hovered: Option<PointId>,
 }
 
 impl Pointer {
-    /// The control point under the cursor or in its grip.
+    /// The control point under the cursor, or the one that is being dragged.
     pub(crate) const fn point(&self) -> Option<PointId> {
         match self.gesture {
             Gesture::Move(id) => Some(id),
@@ -55,7 +55,7 @@ impl Pointer {
         self.gesture != Gesture::None
     }
 
-    /// Ends whatever is under way.
+    /// Ends the current gesture.
     pub(crate) const fn let_go(&mut self) {
         self.gesture = Gesture::None;
         self.held = None;

@@ -1,4 +1,4 @@
-//! The scene in the driver's memory, and the picture that the window shows of it.
+//! The uploaded scene, and the picture of it that the window shows.
 
 use std::time::Instant;
 
@@ -8,17 +8,17 @@ use freeform_surface::{
 
 use super::state::{Changes, State};
 
-/// Draws the scene into a picture of its own, as `freeform render` does, so that both are the same.
+/// Draws the scene into a picture of its own, as `freeform render` does, so that both pictures are the same.
 pub(super) struct Screen {
     target: Framebuffer,
-    /// The picture at rest, where one drawing into the target does not make it.
+    /// The picture at rest, if drawing into the target alone cannot produce it.
     still: Option<Framebuffer>,
     samples: Samples,
     prepared: PreparedScene,
     renderer: Renderer,
-    /// Whether the target shows something else than the scene with all its samples.
+    /// Whether the target shows anything other than the scene with all its samples.
     stale: bool,
-    /// How long the last drawing took.
+    /// The duration of the last drawing in milliseconds.
     ms: f64,
 }
 
@@ -37,14 +37,14 @@ impl Screen {
         })
     }
 
-    /// Brings what changed to the driver and draws. While the mouse or the turntable moves something, one
-    /// sample has to do where the scene wants more than the driver has at once.
+    /// Uploads the changes and draws. If the scene asks for more samples than the driver supports in one pass,
+    /// one sample is used while the mouse or the turntable moves something.
     ///
     /// # Errors
-    /// What the driver cannot hold or draw; the picture may be half done.
+    /// The driver cannot store or draw something; the picture may be incomplete.
     pub(super) fn bring_and_draw(&mut self, state: &mut State) -> Result<()> {
         let changes = state.take_changes();
-        // What did not arrive is brought again, as a whole.
+        // If this fails, the next call uploads the whole scene.
         self.draw(state, &changes).inspect_err(|_| state.note_lost())
     }
 
@@ -53,7 +53,8 @@ impl Screen {
         self.bring(state, changes)?;
         let frame = frame_of(state);
         let samples = frame.settings.samples.get();
-        // Averages on a transparent background are of colours times alpha, which a window cannot divide.
+        // With a transparent background, averaged colours are premultiplied by alpha, and a window cannot
+        // divide them by it.
         let is_whole = samples <= self.target.samples()
             && (samples == 1 || frame.settings.background[3] == 1.0);
         if is_whole || state.is_moving() {
@@ -74,7 +75,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Whether the same picture is to be drawn again, with all samples, if nothing moves any more.
+    /// Whether the same picture must be drawn again with all samples as soon as nothing moves.
     pub(super) fn is_unfinished(&self, state: &State) -> bool {
         self.stale && !state.is_moving()
     }
@@ -82,10 +83,10 @@ impl Screen {
     /// The scene's picture with all samples, as `freeform render` makes it.
     ///
     /// # Errors
-    /// As drawing.
+    /// The same as for drawing.
     pub(super) fn picture(&mut self, state: &State) -> Result<Image> {
         let frame = frame_of(state);
-        // The target is drawn into.
+        // This draws into the target.
         self.stale = true;
         self.prepared.picture(&mut self.renderer, &self.target, &frame, |_, _| {})
     }
@@ -107,7 +108,7 @@ impl Screen {
         self.ms
     }
 
-    /// Uploads what changed, and nothing else.
+    /// Uploads only the changes.
     fn bring(&mut self, state: &State, changes: &Changes) -> Result<()> {
         let scene = state.scene();
         let size = state.size().as_uvec2();
@@ -149,7 +150,7 @@ mod tests {
         let context = Headless::new(Backend::Auto).unwrap();
         let mut screen = Screen::new(context.gl()).unwrap();
         let mut scene = Scene::listing16();
-        // One drawing makes no average on what is transparent either.
+        // One pass does not average over a transparent background either.
         let transparent = [0.2, 0.8, 0.25, 0.0];
         for (samples, background) in [(64, scene.settings.background), (4, transparent)] {
             scene.settings.samples = Samples::new(samples).unwrap();
@@ -166,7 +167,7 @@ mod tests {
         screen.draw(&state, &changes).unwrap();
         let shown = screen.shown().read();
         assert!(shown == screen.picture(&state).unwrap(), "all samples");
-        // The target has been drawn into for that.
+        // Making the picture has drawn into the target.
         assert!(screen.is_unfinished(&state));
         screen.draw(&state, &Changes::default()).unwrap();
         assert!(screen.shown().read() == shown && !screen.is_unfinished(&state));
@@ -181,8 +182,8 @@ mod tests {
         assert!(screen.shown().read() == shown && !screen.is_unfinished(&state));
     }
 
-    /// After random events the driver draws without an error; and the saved scene is drawn
-    /// the same, pixel for pixel.
+    /// After random events, the driver still draws without errors. The saved scene gives the same picture,
+    /// pixel for pixel.
     #[test]
     fn after_random_events_the_saved_scene_is_what_is_shown() {
         let context = Headless::new(Backend::Auto).unwrap();

@@ -1,4 +1,4 @@
-//! What the window shows and what actions make of it, without a window.
+//! The state of the viewer, and the effects of actions on it, without a window.
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -20,19 +20,19 @@ use super::undo::{Change, History};
 
 /// The highest level that the keys reach, as in the report.
 const MAX_LEVEL: u32 = 50;
-/// What `+` and `−` go through, in pixels.
+/// The tolerances that `+` and `−` step through, in pixels.
 const TOLERANCES: [f64; 13] =
     [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 /// A step of turning by keys, in radians.
 const TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
-/// A step of moving by keys, in parts of the picture's height.
+/// A step of moving by keys, as a fraction of the picture's height.
 const PAN: f64 = 0.05;
-/// How much nearer a step of zooming brings.
+/// The factor by which one step of zooming scales the distance.
 pub(crate) const ZOOM: f64 = 0.85;
-/// How fast the turntable turns, in radians a second.
+/// The speed of the turntable, in radians per second.
 const TURNTABLE: f64 = 0.5;
 
-/// What the window must do itself.
+/// Actions that only the window can carry out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Request {
     Quit,
@@ -41,7 +41,7 @@ pub(crate) enum Request {
     NextScene,
 }
 
-/// What lies over the picture.
+/// The overlay over the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cover {
     Panel,
@@ -49,36 +49,36 @@ pub(crate) enum Cover {
     Nothing,
 }
 
-/// What changed since the scene was last brought to the driver.
+/// The changes since the scene was last uploaded to the driver.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Changes {
-    /// Anything that the picture shows.
+    /// Anything that is visible in the picture.
     pub(crate) picture: bool,
-    /// Everything: the scene must be uploaded anew.
+    /// Everything: the whole scene must be uploaded again.
     pub(crate) scene: bool,
     /// Control points.
     pub(crate) points: Vec<PointId>,
-    /// Surfaces with other trims.
+    /// Surfaces whose trims changed.
     pub(crate) trims: Vec<usize>,
 }
 
-/// A line for the person.
+/// A line of text for the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Message {
     Done(String),
     Error(String),
 }
 
-/// A scene, where it is seen from, and what can be done to it.
+/// A scene, its camera, and the edits that can be made.
 #[derive(Debug)]
 pub(crate) struct State {
     scene: Scene,
-    /// Without one the scene is the built-in one.
+    /// `None` for the built-in scene.
     file: Option<PathBuf>,
     /// The camera that the scene came with.
     home: Option<Camera>,
     mover: Mover,
-    /// Pixels of the picture.
+    /// Size of the picture in pixels.
     size: DVec2,
     level: TessLevel,
     tolerance: Tolerance,
@@ -87,7 +87,7 @@ pub(crate) struct State {
     /// The number of the last press of a key or button.
     press: u64,
     nested: PutBy,
-    /// What surfaces, then meshes, were painted with before pictures were switched.
+    /// The paints of the surfaces, then of the meshes, before textures were last switched.
     other_paints: Vec<Paint>,
     changes: Changes,
     pub(crate) turntable: bool,
@@ -135,7 +135,7 @@ impl State {
         self.replace(scene);
     }
 
-    /// Shows the same scene as its file is now, from where it was seen.
+    /// Shows the scene again after its file has changed; the camera stays.
     pub(crate) fn reload(&mut self, mut scene: Scene) {
         self.home = scene.camera;
         scene.camera = self.scene.camera;
@@ -161,7 +161,7 @@ impl State {
         &self.scene
     }
 
-    /// The scene as a file is to have it: seen from where it is seen now.
+    /// The scene as it is saved: with the current camera.
     pub(crate) fn saved_scene(&self) -> Scene {
         Scene { camera: Some(self.camera()), ..self.scene.clone() }
     }
@@ -184,7 +184,7 @@ impl State {
         self.size.x / self.size.y
     }
 
-    /// The camera as it is now.
+    /// The current camera.
     pub(crate) fn camera(&self) -> Camera {
         self.scene.camera.unwrap_or_else(|| self.scene.framed(self.aspect()))
     }
@@ -193,7 +193,7 @@ impl State {
         self.scene.projection(self.size.x as u32, self.size.y as u32)
     }
 
-    /// What changed since the last call.
+    /// Returns the changes since the last call.
     pub(crate) fn take_changes(&mut self) -> Changes {
         std::mem::take(&mut self.changes)
     }
@@ -203,7 +203,7 @@ impl State {
         self.turntable || self.pointer.is_busy()
     }
 
-    /// What changed did not reach the driver: all of it is to be brought with the next change.
+    /// Notes that the changes did not reach the driver, so that the next upload contains the whole scene.
     pub(crate) const fn note_lost(&mut self) {
         self.changes.scene = true;
     }
@@ -212,17 +212,17 @@ impl State {
         self.changes.picture
     }
 
-    /// A key or button was pressed: what it edits can be taken back by itself.
+    /// Notes that a key or button was pressed: the edits of each press can be undone separately.
     pub(crate) const fn note_press(&mut self) {
         self.press += 1;
     }
 
-    /// Shows what went wrong, or nothing new.
+    /// Shows the error of a result as a message; a success leaves the message as it is.
     pub(crate) fn report<T>(&mut self, result: Result<T, impl Display>) -> Option<T> {
         result.map_err(|error| self.message = Some(Message::Error(error.to_string()))).ok()
     }
 
-    /// Does what an action asks for; what only the window can do is left to it.
+    /// Carries out an action. Returns a request if only the window can carry it out.
     pub(crate) fn apply(&mut self, action: Action) -> Option<Request> {
         self.message = None;
         let done = match action {
@@ -256,7 +256,7 @@ impl State {
             self.scene.camera = self.home;
             return Ok(());
         }
-        // A scene that is framed by itself would move with everything that changes.
+        // A scene without a camera of its own would be framed anew with every change.
         let camera = self.hold_camera();
         let step = |x: i8, y: i8| dvec2(x.into(), y.into());
         match action {
@@ -313,7 +313,7 @@ impl State {
         }
     }
 
-    /// Keeps the camera as it is now, whatever becomes of the scene.
+    /// Fixes the current camera, so that later changes of the scene do not move it.
     pub(super) fn hold_camera(&mut self) -> Camera {
         let camera = self.camera();
         self.scene.camera = Some(camera);
@@ -330,7 +330,7 @@ impl State {
         &self.mover
     }
 
-    /// Turns the turntable for `seconds`.
+    /// Advances the turntable by `seconds`.
     pub(crate) fn advance(&mut self, seconds: f64) {
         if self.turntable {
             let camera = self.hold_camera();
@@ -344,7 +344,7 @@ impl State {
 
     fn set_level(&mut self, step: i64) -> Result<()> {
         let level = i64::from(self.level.get()) + step;
-        // A scene's own level may be higher; the keys only come down from there.
+        // A scene's own level may be higher than the keys' maximum. From there, the keys only lower it.
         if (1..=i64::from(MAX_LEVEL.max(self.level.get()))).contains(&level) {
             self.level = TessLevel::new(level)?;
         }
@@ -364,7 +364,7 @@ impl State {
         Ok(())
     }
 
-    /// Chooses how finely patches are cut.
+    /// Chooses how finely patches are tessellated.
     pub(crate) fn set_tessellation(&mut self, tessellation: Tessellation) {
         match tessellation {
             Tessellation::Level(level) => self.level = level,
@@ -374,15 +374,15 @@ impl State {
         self.changes.picture = true;
     }
 
-    /// The level and the tolerance that were chosen last, one of which holds.
+    /// The last chosen level and tolerance; one of them is in use.
     pub(crate) const fn finenesses(&self) -> (TessLevel, Tolerance) {
         (self.level, self.tolerance)
     }
 
-    /// Chooses whose trims and normals are drawn.
+    /// Chooses the method for trims and normals.
     ///
     /// # Errors
-    /// Trims that the thesis' method cannot cut.
+    /// The thesis' method cannot cut the trims.
     pub(crate) fn set_method(&mut self, method: Method) -> Result<()> {
         if method == Method::Thesis {
             for (number, surface) in self.scene.surfaces.iter().enumerate() {
@@ -395,7 +395,7 @@ impl State {
         Ok(())
     }
 
-    /// Changes settings that need no check.
+    /// Changes settings that do not have to be checked.
     pub(crate) fn change_settings(
         &mut self,
         change: impl FnOnce(&mut freeform_surface::RenderSettings),
@@ -405,10 +405,10 @@ impl State {
         self.changes.picture = true;
     }
 
-    /// Puts parts into the scene, so that they can be taken back.
+    /// Applies changes to the scene so that they can be undone.
     ///
     /// # Errors
-    /// Trims that are not finite, or that the thesis' method cannot cut while it is drawn.
+    /// The trims are not finite, or the thesis' method is in use and cannot cut them.
     pub(crate) fn edit(&mut self, edits: Vec<Change>) -> Result<()> {
         if edits.is_empty() {
             return Ok(());
@@ -434,20 +434,20 @@ impl State {
         let unfit = |scene: &Scene| {
             scene.surfaces.iter().any(|surface| check_for_thesis(&surface.trims).is_err())
         };
-        // Loops of a time when the other method was drawn.
+        // These loops may be from a time when the exact method was in use.
         if scene.settings.method == Method::Thesis && unfit(scene) {
             scene.settings.method = Method::Exact;
         }
     }
 
-    /// Takes all pictures off, or lays them on again; bricks where there were none.
+    /// Removes all textures, or puts them back; where there were none, it uses bricks.
     fn switch_textures(&mut self) -> Result<()> {
         let surfaces = self.scene.surfaces.iter().map(|surface| &surface.paint);
         let meshes = self.scene.meshes.iter().map(|mesh| &mesh.paint);
         let paints: Vec<Paint> = surfaces.chain(meshes).cloned().collect();
         let is_picture = |paint: &Paint| matches!(paint, Paint::Texture(_));
         let off = paints.iter().any(is_picture);
-        // What is not there yet is grey or bricks.
+        // If there is no earlier paint, it is grey or bricks.
         let fallback = match self.other_paints.iter().any(is_picture) {
             _ if off => Some(Paint::default()),
             true => None,
@@ -469,7 +469,7 @@ impl State {
         self.edit(edits)
     }
 
-    /// Smooths all meshes this way, or no longer.
+    /// Switches this smoothing on or off for all meshes.
     fn switch_smoothing(&mut self, smoothing: Smoothing) -> Result<()> {
         if self.scene.meshes.is_empty() {
             return Err(Error::invalid(
@@ -505,21 +505,21 @@ impl State {
         format!("{name} · {fineness} · {} triangles · {ms:.1} ms", stats.triangles)
     }
 
-    /// What was under the cursor may have moved away without it.
+    /// The object under the cursor may have moved away although the cursor did not move.
     fn hover_again(&mut self) {
         if self.pointer.hovered.is_some() {
             self.hover();
         }
     }
 
-    /// Finds the control point under the cursor; true if that is another one.
+    /// Finds the control point under the cursor; returns true if it has changed.
     pub(super) fn hover(&mut self) -> bool {
         let found = pick(self.scene(), &self.projection(), self.size(), self.pointer.place);
         std::mem::replace(&mut self.pointer.hovered, found) != found
     }
 }
 
-/// The picture of bricks that the built-in scene has.
+/// The texture of bricks of the built-in scene.
 fn bricks() -> Arc<Image> {
     match Scene::listing16().surfaces.swap_remove(0).paint {
         Paint::Texture(image) => image,
@@ -531,7 +531,7 @@ fn check_for_thesis(trims: &Trims) -> Result<()> {
     NewtonTrims::of(trims).map(drop)
 }
 
-/// Notes what parts change.
+/// Records what the edits change.
 fn note(changes: &mut Changes, edits: &[Change]) {
     changes.picture = true;
     for part in edits {

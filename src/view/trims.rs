@@ -1,4 +1,4 @@
-//! Trims under the hand: switched on and off by keys, pulled by their points in the (u, v) inset.
+//! Interactive editing of trims: keys switch them on and off, and their points are dragged in the (u, v) inset.
 
 use freeform_surface::inspect::inside_loops;
 use freeform_surface::{Circle, Ellipse, Error, Rect, Result, Scene, Segment, TrimLoop, Trims};
@@ -7,14 +7,14 @@ use glam::{DVec2, dvec2};
 use super::action::TrimKind;
 use super::undo::Change;
 
-/// A point of a trim that can be pulled; numbers count from 0.
+/// A point of a trim that can be dragged; numbers count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Handle {
     /// The centre of a circle.
     CircleCenter(usize),
     /// The right end of a circle.
     CircleRadius(usize),
-    /// The corner of an interval with the least u and v.
+    /// The corner of an interval with the minimum u and v.
     RectFirst(usize),
     /// The opposite corner.
     RectLast(usize),
@@ -24,12 +24,12 @@ pub(crate) enum Handle {
     EllipseU(usize),
     /// The upper end of an ellipse.
     EllipseV(usize),
-    /// A point of a segment of a loop, also one of a path, but not the segment's last point: that is
-    /// the first of the next.
+    /// A point of a segment of a loop, including the loops of paths. The last point of a segment is excluded,
+    /// since it is the first point of the next segment.
     Loop { number: usize, segment: usize, point: usize },
 }
 
-/// All points that can be pulled, with their places in the domain.
+/// All points that can be dragged, with their places in the domain.
 pub(crate) fn handles(trims: &Trims) -> Vec<(Handle, DVec2)> {
     let mut handles = Vec::new();
     for (i, Circle { center, radius }) in trims.circles.iter().enumerate() {
@@ -56,10 +56,10 @@ pub(crate) fn handles(trims: &Trims) -> Vec<(Handle, DVec2)> {
     handles
 }
 
-/// The trims with one of their points pulled to a place.
+/// The trims with one of their points dragged to a place.
 ///
 /// # Errors
-/// A place that is not finite, a point that is not there.
+/// The place is not finite, or the point does not exist.
 pub(crate) fn pulled(trims: &Trims, handle: Handle, to: DVec2) -> Result<Trims> {
     if !to.is_finite() {
         return Err(Error::invalid("point of a trim", to, "finite coordinates"));
@@ -103,7 +103,8 @@ pub(crate) fn pulled(trims: &Trims, handle: Handle, to: DVec2) -> Result<Trims> 
     Ok(trims)
 }
 
-/// A loop with one point moved; the segment before ends where the moved one begins.
+/// A loop with one point moved. If it is the first point of its segment, the end of the previous segment moves
+/// with it.
 fn with_point(trim_loop: &TrimLoop, segment: usize, point: usize, to: DVec2) -> Result<TrimLoop> {
     let mut points: Vec<Vec<DVec2>> =
         trim_loop.segments().iter().map(|segment| segment.points().to_vec()).collect();
@@ -119,7 +120,8 @@ fn with_point(trim_loop: &TrimLoop, segment: usize, point: usize, to: DVec2) -> 
     TrimLoop::new(points.iter().map(|points| Segment::new(points)).collect::<Result<_>>()?)
 }
 
-/// Switches a kind of trims on or off in all surfaces that have it. If none has, `selected` gets one.
+/// Switches a kind of trims on or off in all surfaces that have it. If no surface has it, the `selected` one
+/// gets one.
 pub(crate) fn switched(
     scene: &Scene,
     kind: TrimKind,
@@ -182,7 +184,7 @@ const fn switch(trims: &mut Trims, kind: TrimKind) -> &mut bool {
     }
 }
 
-/// The loop that a surface without one gets: two quadratics as the thesis' method takes them.
+/// The loop that is added to a surface without loops: two quadratics in the form that the thesis' method needs.
 fn lens_loop(scale: f64) -> Result<TrimLoop> {
     let at = |u: f64, v: f64| dvec2(0.5, 0.5) + dvec2(u, v) * scale;
     let (left, right) = (at(-0.3, 0.0), at(0.3, 0.0));
@@ -192,7 +194,7 @@ fn lens_loop(scale: f64) -> Result<TrimLoop> {
     ])
 }
 
-/// Adds a trim of a kind, where a picture shows it well.
+/// Adds a trim of a kind in a place where it is well visible.
 fn add(trims: &mut Trims, kind: TrimKind) {
     match kind {
         TrimKind::Circle => trims.circles.extend(Circle::new(dvec2(0.5, 0.5), 0.2)),
@@ -206,11 +208,11 @@ fn add(trims: &mut Trims, kind: TrimKind) {
     }
 }
 
-/// Nested loops that were last taken out of the surfaces, by the number of the surface. They stay here when
-/// they are put back, or an edit that is refused or taken back would lose them.
+/// The nested loops that were last removed from the surfaces, with the number of the surface. They are kept
+/// here after they are put back; otherwise, if that edit is refused or undone, they would be lost.
 pub(crate) type PutBy = Vec<(usize, Vec<TrimLoop>)>;
 
-/// Takes the loops that lie inside others out of all surfaces, or puts them back.
+/// Removes the loops that lie inside others from all surfaces, or puts them back.
 fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Change> {
     let surfaces = || scene.surfaces.iter().map(|surface| &surface.trims).enumerate();
     let with_loops = |number: usize, trims: &Trims, loops: Vec<TrimLoop>| {
@@ -234,7 +236,7 @@ fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Ch
         let known = put_by.iter().filter(|(of, _)| *of == number).flat_map(|(_, loops)| loops);
         let mut loops = trims.loops.clone();
         loops.extend(known.filter(|known| !trims.loops.contains(known)).cloned());
-        // Also those that are there, but switched off.
+        // This includes surfaces whose nested loops are present but switched off.
         if loops.len() > trims.loops.len() || loops.iter().any(|inner| is_nested(inner, trims)) {
             edits.push(with_loops(number, trims, loops));
         }
@@ -252,7 +254,7 @@ fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Ch
     edits
 }
 
-/// Whether a loop begins inside another one.
+/// Whether a loop starts inside another one.
 fn is_nested(inner: &TrimLoop, trims: &Trims) -> bool {
     let start = inner.segments()[0].start();
     let holds = |outer: &TrimLoop| inside_loops(std::slice::from_ref(outer), start);
@@ -320,12 +322,13 @@ mod tests {
         let nested = scene.clone();
         press(&mut scene, TrimKind::Nested, &mut put_by);
         assert_eq!((loops(&nested), loops(&scene)), (2, 1));
-        // An edit that was refused left them where they were.
+        // A refused edit left the loops unchanged.
         let outer = scene.clone();
         let _ = switched(&scene, TrimKind::Nested, 0, &mut put_by);
         press(&mut scene, TrimKind::Nested, &mut put_by);
         assert_eq!(scene.surfaces[0].trims, nested.surfaces[0].trims);
-        // They were taken out, that was taken back, and loops were switched off and on by N.
+        // The removal of the loops was undone, and another key switched the loops off. N switches them on
+        // again.
         scene = outer;
         scene.surfaces[0].trims = nested.surfaces[0].trims.clone();
         press(&mut scene, TrimKind::Loop, &mut put_by);
@@ -346,7 +349,7 @@ mod tests {
         let all = handles(&trims);
         assert_eq!(all.len(), 2 + 2 + 3 + 4 + 4 + 4);
         for (i, (handle, place)) in all.iter().enumerate() {
-            // Radii have one direction, corners keep their order.
+            // Radii change along one axis only, and corners keep their order.
             let to = match handle {
                 Handle::CircleRadius(_) | Handle::EllipseU(_) => *place + dvec2(0.05, 0.0),
                 Handle::EllipseV(_) => *place + dvec2(0.0, 0.05),

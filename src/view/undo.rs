@@ -1,14 +1,14 @@
-//! Edits of a scene that can be taken back.
+//! Edits of a scene that can be undone.
 
 use freeform_surface::{Paint, Scene, Surface, Trims};
 use glam::DVec4;
 
 use super::pick::PointId;
 
-/// The most edits that are remembered.
+/// The maximum number of edits that are remembered.
 const MAX_EDITS: usize = 1000;
 
-/// A part of a scene as an edit leaves it, or as it was before.
+/// A property of a scene, with its value after or before an edit.
 #[derive(Debug, Clone)]
 pub(crate) enum Change {
     /// A control point.
@@ -22,7 +22,7 @@ pub(crate) enum Change {
 }
 
 impl Change {
-    /// Puts this part into the scene and keeps the old one. A part that the scene does not take stays out.
+    /// Puts this value into the scene and keeps the old one. A value that the scene refuses is not applied.
     fn swap(&mut self, scene: &mut Scene) {
         match self {
             Self::Point(id, point) => {
@@ -50,7 +50,7 @@ impl Change {
         }
     }
 
-    /// Whether both are about the same thing.
+    /// Whether both change the same property.
     fn same_place(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Point(a, _), Self::Point(b, _)) => a == b,
@@ -62,14 +62,14 @@ impl Change {
     }
 }
 
-/// Changes that are made together, and the press of a key or button that they belong to.
+/// Changes that are made together, and the press of a key or button that caused them.
 #[derive(Debug)]
 struct Edit {
     changes: Vec<Change>,
     press: u64,
 }
 
-/// What was done, and what was taken back.
+/// The edits that were made, and those that were undone.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     done: Vec<Edit>,
@@ -77,7 +77,7 @@ pub(crate) struct History {
 }
 
 impl History {
-    /// Makes the changes. Edits of one thing during one press count as one.
+    /// Makes the changes. Edits of the same property during one press count as one.
     pub(crate) fn edit(&mut self, scene: &mut Scene, mut changes: Vec<Change>, press: u64) {
         for change in &mut changes {
             change.swap(scene);
@@ -96,12 +96,12 @@ impl History {
         }
     }
 
-    /// Takes the last edit back and tells what it was about.
+    /// Undoes the last edit and returns its changes.
     pub(crate) fn undo(&mut self, scene: &mut Scene) -> Option<&[Change]> {
         Self::step(&mut self.done, &mut self.undone, scene)
     }
 
-    /// Does again what was taken back last.
+    /// Redoes the last undone edit and returns its changes.
     pub(crate) fn redo(&mut self, scene: &mut Scene) -> Option<&[Change]> {
         Self::step(&mut self.undone, &mut self.done, scene)
     }
@@ -115,7 +115,7 @@ impl History {
         for change in &mut edit.changes {
             change.swap(scene);
         }
-        // Nothing that follows belongs to the same press.
+        // Later edits do not belong to the same press.
         edit.press = 0;
         to.push(edit);
         to.last().map(|edit| edit.changes.as_slice())

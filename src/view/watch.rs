@@ -1,4 +1,4 @@
-//! Tells when files change on the disk.
+//! Reports changes of files on the disk.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ impl Watch {
         files: impl Iterator<Item = &'a Path>,
         tell: impl Fn() + Send + 'static,
     ) -> Result<Self> {
-        // Folders and not files: editors put another file in a file's place.
+        // Folders are watched and not files, because editors replace a file by another one.
         let mut folders = HashSet::new();
         let mut names: HashSet<(PathBuf, std::ffi::OsString)> = HashSet::new();
         for file in files {
@@ -28,7 +28,7 @@ impl Watch {
                 Some(folder) if !folder.as_os_str().is_empty() => folder,
                 _ => Path::new("."),
             };
-            // The system tells of whole paths, whatever a folder was called here.
+            // The system reports absolute paths, however the folder was named here.
             let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
             if let Some(name) = file.file_name() {
                 names.insert((folder.clone(), name.to_owned()));
@@ -36,7 +36,7 @@ impl Watch {
             folders.insert(folder);
         }
         let mut watcher = notify::recommended_watcher(move |event: notify::Result<Event>| {
-            // Reading it is no change.
+            // Reading a file does not change it.
             let changed = event.is_ok_and(|event| {
                 let own = |path: &PathBuf| {
                     let place = path.parent().zip(path.file_name());
@@ -52,7 +52,7 @@ impl Watch {
         })
         .map_err(|error| fail(Path::new("files"), error))?;
         for folder in folders {
-            // Without its folder a file has its say when it is read.
+            // A missing folder is reported when its file is read.
             if folder.is_dir() {
                 watcher
                     .watch(&folder, RecursiveMode::NonRecursive)

@@ -1,4 +1,4 @@
-//! The comparison of pictures is itself compared: what differs must fail.
+//! Tests of the picture comparison: different pictures must fail.
 
 use freeform_surface::Image;
 use image::Rgba;

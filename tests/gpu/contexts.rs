@@ -1,4 +1,4 @@
-//! Headless contexts: both backends, many at once, and what the driver says.
+//! Headless contexts: both backends, many contexts at once, and the driver's messages.
 #![allow(unsafe_code, reason = "one test makes a mistake in OpenGL on purpose")]
 
 use std::time::Duration;
@@ -149,7 +149,7 @@ fn dropping_a_context_leaves_the_log_of_another_alone() {
     }
 }
 
-/// A caller's own settings must not change the picture, nor where memory is read and written.
+/// A caller's own OpenGL state must change neither the picture nor the places where memory is read and written.
 #[test]
 fn the_state_of_the_caller_does_not_show() {
     let scene = Scene::listing16();
@@ -218,7 +218,7 @@ fn the_devices_clock_runs_and_hands_errors_on() {
         assert!(time > Duration::ZERO && time < Duration::from_secs(60), "{backend}: {time:?}");
         let wrong = || Err(Error::Context("on purpose".into()));
         assert!(timer.time(wrong).unwrap_err().to_string().contains("on purpose"));
-        // It is ready for the next.
+        // The timer is ready for the next measurement.
         assert!(timer.time(|| Ok::<(), Error>(())).unwrap() < Duration::from_secs(60));
     }
 }
@@ -251,7 +251,7 @@ fn a_frame_is_drawn_in_its_viewport_whatever_the_context_has() {
         let own = Framebuffer::new(context.gl(), size.x, size.y).unwrap();
         let (stats, expected) = drawn(&own, &frame, 7);
         assert_eq!((stats, expected.clone()), drawn(&own, &frame, 1000), "{backend}");
-        // Beside its first pixel in a larger framebuffer it is the same picture.
+        // At an offset in a larger framebuffer, the picture is the same.
         let large = Framebuffer::new(context.gl(), 160, 120).unwrap();
         let moved = Frame { viewport: Viewport { origin, size }, ..frame };
         let (moved_stats, picture) = drawn(&large, &moved, 1000);

@@ -1,5 +1,5 @@
-//! What is nearer hides what is farther, whatever lies between them: from 1 to 10⁷ of the distance, and down to
-//! 10⁻⁵ of it.
+//! Nearer surfaces hide farther ones over all ranges of depth: at distances from 1 to 10⁷, and with differences
+//! down to 10⁻⁵ of the distance.
 
 use freeform_surface::inspect::measure::measure;
 use freeform_surface::inspect::reference::coverage;
@@ -31,8 +31,8 @@ const DRAWERS: [Drawer; 5] = [
     Drawer::Mesh(Smoothing::Pn),
 ];
 
-/// A plane at a distance before the eye at the origin, which looks along −z, as wide as the distance; tilted by
-/// some of it.
+/// A plane in front of the eye at the origin, which looks along −z. It is as wide as its distance, and is
+/// tilted by a fraction of it.
 fn plane(drawer: Drawer, distance: f64, tilt: f64, color: [f32; 3], scene: &mut Scene) {
     let place = |u: f64, v: f64| {
         let [x, y] = [u, v].map(|at| (2.0 * at - 1.0) * distance);
@@ -88,7 +88,7 @@ fn of_two_planes_the_nearer_is_seen() {
                     continue;
                 }
                 for turned in [false, true] {
-                    // A third plane at distance 1, beside the picture, keeps the clip planes far apart.
+                    // A third plane at distance 1, outside the picture, keeps the clip planes far apart.
                     let mut scene = empty(drawer, PERSPECTIVE);
                     let planes = [(near, RED), (far, BLUE)];
                     let order = if turned { [1, 0] } else { [0, 1] };
@@ -130,8 +130,8 @@ fn several_samples_and_parallel_views_keep_the_order() {
     }
 }
 
-/// A plate close to the eye before a wall far away: both are there, in each method, and a picture without the
-/// plate is not taken for right.
+/// A plate close to the eye in front of a distant wall: each method draws both, and a picture without the plate
+/// counts as wrong.
 #[test]
 fn a_plate_close_to_the_eye_is_drawn_and_missed_where_it_is_not() {
     let mut stage = Stage::new(SIZE);
@@ -159,18 +159,19 @@ fn a_plate_close_to_the_eye_is_drawn_and_missed_where_it_is_not() {
             for (i, uv) in aovs.uv.iter().enumerate() {
                 let place = UVec2::new(i as u32 % SIZE.x, i as u32 / SIZE.x).as_dvec2() + 0.5;
                 let place = (place - 0.5 * SIZE.as_dvec2()).abs() / (0.5 * f64::from(SIZE.y));
-                // The plate's half width over its distance, over that of the picture's height.
+                // The plate's half width over its distance, in units of the picture's half height at distance
+                // 1.
                 let edge = DVec2::splat(0.25 / 0.5_f64.tan());
                 let distance = if place.cmplt(edge).all() { near } else { far };
                 assert_eq!(uv[3], 1.0);
                 let off = (f64::from(aovs.depth[i][0]) - distance).abs() / distance;
                 assert!(off < 1e-5, "{i}: {} of {distance}", aovs.depth[i][0]);
             }
-            // The same without the plate, as clip planes might take it.
+            // The scene without the plate, as if clip planes had removed it.
             let mut without = scene.clone();
             without.surfaces[0].transform = DMat4::from_translation(dvec3(0.0, 0.0, 10.0 * far));
             let found = measure(&scene, &projection, &drawn(&without), &reference);
-            // Of 18 pixels each way, those within two pixels of the border do not count.
+            // The plate is 18 pixels wide and high; those within two pixels of its border do not count.
             assert!(found.hidden_pixels.abs_diff(14 * 14) < 30, "{near} {method:?}: {found:?}");
         }
     }

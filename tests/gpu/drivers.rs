@@ -1,4 +1,4 @@
-//! Freedoms that drivers have, and take: none of them may change a picture.
+//! Freedoms that drivers have and use: they must not change a picture.
 #![allow(unsafe_code, reason = "the driver's own limit is asked for")]
 
 use freeform_surface::inspect::Buffer;
@@ -13,9 +13,9 @@ use glow::HasContext as _;
 use crate::harness::Stage;
 use crate::harness::{Checked, backends};
 
-/// Squares a side of the floors.
+/// Number of squares along a side of the floors.
 const SIDE: usize = 60;
-/// Pixels a side of a square.
+/// Side of a square in pixels.
 const PX: usize = 4;
 
 /// A floor of squares, seen from above: each is `PX` pixels wide, the first at the lower left.
@@ -38,7 +38,7 @@ fn draw(scene: &Scene, backend: freeform_surface::Backend) -> Aovs {
     stage.aovs(&mut prepared, &stage.frame(scene))
 }
 
-/// A pixel, counted from the lower left, that shows another patch than it should, or none.
+/// A pixel, counted from the lower left, that shows another patch than it should, or no patch.
 #[derive(Debug)]
 struct Wrong {
     column: usize,
@@ -48,7 +48,7 @@ struct Wrong {
     expected: usize,
 }
 
-/// The pixels that show another patch than `number` says of their places.
+/// The pixels that show another patch than `number` gives for their places.
 fn wrong_numbers(aovs: &Aovs, number: impl Fn(DVec2) -> usize) -> Vec<Wrong> {
     let mut wrong = Vec::new();
     for (i, uv) in aovs.uv.iter().enumerate() {
@@ -62,8 +62,8 @@ fn wrong_numbers(aovs: &Aovs, number: impl Fn(DVec2) -> usize) -> Vec<Wrong> {
     wrong
 }
 
-/// Surfaces of 25 and of 16 points by turns, and drawn in several draws each: where a surface's points
-/// begin in their buffer, and where a draw begins, are no multiples of anything.
+/// Surfaces of patches with 25 and with 16 points alternate, and each surface is drawn in several draws. So
+/// neither the start of a surface's points in their buffer nor the start of a draw is a multiple of anything.
 #[test]
 fn patches_keep_their_numbers_however_draws_are_divided() {
     let square = |number: usize, degree: Degree| {
@@ -78,7 +78,7 @@ fn patches_keep_their_numbers_however_draws_are_divided() {
         for level in [1, 4, 34] {
             let mut scene = floor(level);
             scene.settings.method = method;
-            // Rows of patches: one, two, three … a surface.
+            // The surfaces have one, two, three … rows of patches.
             let mut first = 0;
             for rows in 1.. {
                 let degree = if rows % 2 == 1 { Degree::Quartic } else { Degree::Cubic };
@@ -134,7 +134,7 @@ fn triangles_keep_their_numbers_however_draws_are_divided() {
             scene.meshes.push(MeshModel::new(mesh.clone(), smoothing));
             for backend in backends() {
                 let number = |place: DVec2| {
-                    // Pixels on the diagonal itself: either side may have them.
+                    // Pixels on the diagonal itself may belong to either side.
                     let upper = place.fract().element_sum() > 1.0;
                     2 * (place.y as usize * SIDE + place.x as usize) + usize::from(upper)
                 };
@@ -177,7 +177,7 @@ fn no_memory_is_one_error_that_names_the_object() {
         let context = freeform_surface::Headless::new(backend).unwrap();
         let side = context.info().max_size as u32;
         let gl = context.gl();
-        // 16 bytes a pixel: 4 GiB where a side has 16,384.
+        // 16 bytes per pixel make 4 GiB for a side of 16,384.
         let error = match FloatTarget::new(gl, (side, side), 3) {
             Ok(_) => {
                 eprintln!("{backend}: this driver has memory for 3 × {side} × {side} × 16 bytes");
@@ -187,7 +187,7 @@ fn no_memory_is_one_error_that_names_the_object() {
         };
         assert!(matches!(error, Error::Driver { .. }), "{error}");
         assert!(error.to_string().contains("numbers"), "{error}");
-        // The context is as good as before.
+        // The context remains usable.
         drop(context.debug_log().take_errors());
         let target = Framebuffer::new(gl, 8, 8).unwrap();
         assert_eq!(target.read().dimensions(), (8, 8));

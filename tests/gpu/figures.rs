@@ -1,21 +1,21 @@
 //! The figures of the thesis and of the report, drawn by the GPU, against the `f64` reference at the
 //! same level.
 //!
-//! No channel may be off by more than 2/255, or 4/255 where textured. What the driver is free to
-//! choose is left out, and this is all of it:
+//! No channel may be off by more than 2/255, or 4/255 where textured. The following are left out because the
+//! driver is free to choose them; nothing else is left out:
 //!
 //! - pixels within 1.5 px of a silhouette, of the edge of a trim, or of the square of a control
 //!   point, where a sample's exact place decides;
-//! - pixels within 1.5 px of a line in wireframe: OpenGL leaves a line's pixels to the driver; that
-//!   each line is where it should be is tested by distance instead, and its colour where both draw;
+//! - pixels within 1.5 px of a line in wireframe, since OpenGL leaves a line's pixels to the driver;
+//!   instead, the place of each line is tested by distance, and its colour where both renderers draw it;
 //! - on textures, pixels whose centre lies within 1/128 px of an edge between two triangles: drivers
 //!   round vertices to a grid of 1/256 px or so, which decides the triangle, and with it the
 //!   texture's level of detail.
 //!
-//! The diagonals of the tessellation are free too; the reference draws those of Mesa (see
-//! `reference`). Newton's method amplifies the last bit of `f32` where a row has no root, so a
-//! speckle between pixels may fall on one: such a pixel is excused if the reference's own decision
-//! changes within 1.5 px of it.
+//! The diagonals of the tessellation are free too; the reference draws those of Mesa (see `reference`). Where a
+//! row has no root, Newton's method amplifies the last bit of `f32`. A speckle between the reference's pixels
+//! may then fall on a pixel of the GPU. Such a pixel is excused if the reference's own decision changes within
+//! 1.5 px of it.
 
 use freeform_surface::inspect::programs::Sources;
 use freeform_surface::inspect::reference::{self, Picture, Pixel, TrimDecision};
@@ -31,7 +31,8 @@ use crate::harness::{
 const SMALL: UVec2 = UVec2::new(250, 150);
 /// The size of the command line's pictures.
 const LARGE: UVec2 = UVec2::new(1000, 600);
-/// Pixels that speckles between pixels may account for in one picture: 1 in 20,000 of the large ones.
+/// The number of pixels that speckles between pixels may explain in one picture: 1 in 20,000 of the large
+/// pictures.
 const MAX_EXCUSED: usize = 30;
 
 fn is_textured(scene: &Scene) -> bool {
@@ -42,7 +43,7 @@ fn tolerance(scene: &Scene) -> u8 {
     if is_textured(scene) { 4 } else { 2 }
 }
 
-/// What the driver is free to choose.
+/// The pixels that the driver is free to choose.
 fn left_out(scene: &Scene, picture: &Picture) -> Vec<bool> {
     let mut left_out = picture.edge_band(BAND_PX);
     let (width, height) = (picture.image.width() as i32, picture.image.height() as i32);
@@ -75,7 +76,7 @@ fn small_figures(backend: Backend) {
         let scene = load(&path);
         let picture = reference::render(&scene, SMALL, Method::Thesis).unwrap();
         let stored = stored_reference(&name, &picture.image);
-        // The stored picture is the reference's; another machine's libm may round otherwise.
+        // The stored picture is the reference's; another machine's libm may round differently.
         assert_same(&format!("{name}-stored"), &stored, &picture.image, &[], 1);
         let actual = render(&scene, SMALL, backend);
         check(&format!("{name}-{backend}"), &scene, &picture, &stored, &actual);
@@ -115,7 +116,7 @@ fn drawn(image: &Image, background: [u8; 4]) -> Vec<(i32, i32)> {
         .collect()
 }
 
-/// How many of `pixels` have none of `others` at most one pixel away.
+/// The number of `pixels` that have no pixel of `others` within one pixel.
 fn lonely(pixels: &[(i32, i32)], others: &[(i32, i32)]) -> usize {
     let others: std::collections::HashSet<_> = others.iter().copied().collect();
     pixels
@@ -166,8 +167,8 @@ fn lines_have_the_colours_of_the_reference() {
     let actual = crate::harness::render_with(&scene, LARGE, backends()[0], green);
     assert!(wrongly_coloured(&scene, &actual) > 10_000);
 
-    // The thesis' lines are lit. Where both renderers draw one of them, its light is the same but
-    // for the part of a pixel by which a line's samples may lie apart.
+    // The thesis' lines are lit. Where both renderers draw a line, its light is the same, except for the
+    // fraction of a pixel by which the samples of the line may be apart.
     for name in ["fig21.toml", "fig26.toml"] {
         let mut scene = load(&crate::harness::root().join("resources/scenes/thesis").join(name));
         scene.surfaces[0].paint = Paint::Color([0.6, 0.7, 0.8]);
@@ -202,8 +203,8 @@ fn diagonals_are_those_the_reference_draws() {
     }
 }
 
-/// The thesis' pictures are wrong where its method is. The reference has twins of both, so how wrong
-/// they are is counted without a GPU.
+/// The thesis' pictures are wrong where its method is wrong. The reference has twins of both methods, so wrong
+/// pixels are counted without a GPU.
 #[test]
 fn the_thesis_misses_the_truth_where_its_model_says() {
     let count = |name: &str| {
@@ -224,21 +225,21 @@ fn the_thesis_misses_the_truth_where_its_model_says() {
         let light = difference(&truth.image, &thesis.image, &[], 16).unwrap().wrong;
         (trims, light)
     };
-    // The normal's tangent along u comes from the last row: much of a lit bump is off by more than
-    // 16/255, though nothing is cut. Circles, intervals and ellipses are cut exactly.
+    // The tangent along u of the thesis' normal comes from the last row. So much of a lit bump is off by more
+    // than 16/255, although nothing is cut. Circles, intervals and ellipses are cut exactly.
     let (trims, light) = count("fig14.toml");
     assert_eq!(trims, 0);
     assert!(light > 3000, "{light}");
     for name in ["fig15.toml", "fig16.toml", "fig18.toml", "fig20.toml"] {
         assert_eq!(count(name).0, 0, "{name}");
     }
-    // A row without a root sends Newton's method astray: speckles above and below each loop, and
-    // inside the ring of nested loops, whose inner curves are not asked for t in [0, 1].
+    // A row without a root makes Newton's method diverge. It leaves speckles above and below each loop, and
+    // inside the ring of nested loops, whose inner curves are not tested for t in [0, 1].
     for name in ["fig22.toml", "fig23.toml", "fig24.toml", "fig25.toml"] {
         let (trims, _) = count(name);
         assert!((20..400).contains(&trims), "{name}: {trims}");
     }
-    // End points on two rows: whole stretches between the two rows are wrong.
+    // The end points lie on two rows: whole stretches between these rows are wrong.
     let (tilted, _) = count("fig28.toml");
     assert!(tilted > 1000, "{tilted}");
     // Six iterations are worse than seven. An epsilon of 0.1 bends the edge, one of 0.01 leaves a
@@ -257,8 +258,8 @@ fn the_thesis_misses_the_truth_where_its_model_says() {
     assert!(thousandth < 100 && fine <= thousandth, "{thousandth} {fine}");
 }
 
-/// Pixels inside the hole that the thesis leaves, and pixels next to it that it cuts in one piece
-/// with it: what is wrong with the edge, without the speckles further out.
+/// Pixels inside the hole that the thesis leaves, and pixels outside that it cuts and that are connected to the
+/// hole. These are the errors of the edge, without the speckles further out.
 fn edge_misses(scene: &Scene) -> usize {
     let is_drawn = |arithmetic| -> Vec<bool> {
         let picture = reference::render(scene, LARGE, arithmetic).unwrap();
@@ -268,7 +269,7 @@ fn edge_misses(scene: &Scene) -> usize {
     let (width, height) = (LARGE.x as usize, LARGE.y as usize);
     (0..width)
         .map(|x| {
-            // The hole is below; from there up to the first pixel that is drawn.
+            // The hole is below; the search goes up from there to the first drawn pixel.
             let edge =
                 |drawn: &[bool]| (0..height).rev().find(|y| drawn[y * width + x]).unwrap_or(0);
             edge(&thesis).abs_diff(edge(&truth))

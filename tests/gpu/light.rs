@@ -1,4 +1,4 @@
-//! Light of the world and of the camera.
+//! The lights of the world and of the camera.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ fn teapot() -> Scene {
     load(&root().join("resources/surfaces/teapot.bpt"))
 }
 
-/// The share of pixels of which a channel differs by more than 8.
+/// The fraction of pixels of which a channel differs by more than 8.
 fn differing(a: &Image, b: &Image) -> f64 {
     let differs = |(a, b): (&image::Rgba<u8>, &image::Rgba<u8>)| {
         a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8)
@@ -34,7 +34,7 @@ fn a_model_looks_the_same_at_any_size_and_place() {
         let mut scene = teapot();
         scene.settings.method = method;
         let plain = render(&scene, SIZE, backends()[0]);
-        // Neither black nor burnt.
+        // The picture is neither black nor overexposed.
         assert!((60.0..180.0).contains(&brightness(&plain)), "{}", brightness(&plain));
         for (scale, offset) in
             [(1e-6, 0.0), (1e-3, 0.0), (1e3, 0.0), (1e6, 0.0), (1.0, 1e7), (1e-3, 1e3), (1e6, 1e7)]
@@ -68,7 +68,7 @@ fn bare_files_and_framed_scenes_are_lit_from_the_camera() {
     assert_eq!(teapot().settings.light, Light::Camera);
     let cube = load(&root().join("resources/meshes/cube.obj"));
     assert_eq!(cube.settings.light, Light::Camera);
-    // The thesis' own keep its lamps.
+    // The thesis' own scenes keep the thesis' lights.
     assert_eq!(Scene::listing16().settings.light, Light::World);
     for entry in std::fs::read_dir(root().join("resources/scenes/thesis")).unwrap() {
         let path = entry.unwrap().path();
@@ -97,13 +97,13 @@ fn the_lights_are_those_of_the_reference() {
     }
 }
 
-/// What is seen from behind is lit as from the front: a patch is turned round.
+/// Back faces are lit like front faces: a patch is turned around.
 #[test]
 fn both_sides_are_lit_alike() {
     let mut scene = teapot();
     let plain = render(&scene, SIZE, backends()[0]);
     for surface in &mut scene.surfaces {
-        // Rows in the opposite order turn the normals round.
+        // Reversing the rows reverses the normals.
         let degree = surface.degree();
         let side = degree.side();
         let points: Vec<_> = surface

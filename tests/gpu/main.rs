@@ -1,4 +1,5 @@
-//! What OpenGL draws, against references in `f64`: by EGL, and by OSMesa where there is one.
+//! Pictures drawn by OpenGL, compared with references in `f64`: with EGL, and with OSMesa where it is
+//! available.
 
 #[path = "../harness/mod.rs"]
 mod harness;

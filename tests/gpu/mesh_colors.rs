@@ -1,4 +1,4 @@
-//! Colours of meshes on the screen: of materials, of corners, and pictures that repeat.
+//! Colours of meshes on the screen: materials, vertex colours, and repeating textures.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::harness::{backends, render};
 
 const SIZE: UVec2 = UVec2::new(64, 64);
 
-/// Of a mesh over the unit square, seen from above so that it fills the picture.
+/// A scene of a mesh over the unit square, seen from above so that it fills the picture.
 fn scene(mesh: Mesh, smoothing: Smoothing) -> Scene {
     let middle = dvec3(0.5, 0.5, 0.0);
     let lens = Lens::Orthographic { height: 1.0 };
@@ -38,7 +38,7 @@ fn read(text: &str) -> Mesh {
 const SMOOTHINGS: fn() -> [Smoothing; 3] =
     || [Smoothing::None, Smoothing::Pn, Smoothing::Phong(Default::default())];
 
-/// Compares every pixel with the colour of its place.
+/// Compares every pixel with the expected colour of its place.
 fn check(scene: &Scene, color: impl Fn(glam::DVec2) -> Option<DVec3>) {
     for backend in backends() {
         let picture = render(scene, SIZE, backend);
@@ -71,7 +71,7 @@ fn colors_of_corners_are_mixed_linearly() {
             }
         };
         check(&scene, |place| Some(at(place)));
-        // The mesh's own colour is multiplied by them.
+        // The mesh's own colour multiplies them.
         scene.meshes[0].paint = Paint::Color([0.5, 1.0, 0.0]);
         check(&scene, |place| Some(at(place) * dvec3(0.5, 1.0, 0.0)));
     }
@@ -119,7 +119,7 @@ fn pictures_repeat_on_meshes_and_end_on_surfaces() {
         check(&scene, |place| {
             let at = 3.0 * place;
             let [x, y] = [at.x.rem_euclid(1.0), at.y.rem_euclid(1.0)];
-            // Between texels and at smaller levels they are mixed.
+            // Between texels and at smaller mipmap levels, the colours are mixed.
             let near =
                 [x, y].iter().any(|at| [0.0, 0.5, 1.0].iter().any(|edge| (at - edge).abs() < 0.13));
             let red = f64::from(x < 0.5);
@@ -131,7 +131,7 @@ fn pictures_repeat_on_meshes_and_end_on_surfaces() {
 
 #[test]
 fn what_is_transparent_is_a_hole() {
-    // A picture whose left half is opaque red and whose right half is not there, but for a stripe.
+    // A texture whose left half is opaque red and whose right half is transparent, except for a stripe.
     let picture = Image::from_fn(16, 16, |x, y| {
         let alpha = if x < 8 || y < 4 { 255 } else { 40 };
         image::Rgba([255, 0, 0, alpha])
@@ -160,7 +160,7 @@ fn what_is_transparent_is_a_hole() {
             }
             check(&scene, |place| {
                 let near = (place.x - 0.5).abs() < 0.05 || (place.y - 0.75).abs() < 0.05;
-                // Meshes repeat: at their borders texels of the other side are mixed in.
+                // Textures of meshes repeat: at their borders, texels of the opposite side are mixed in.
                 let border = place.min(1.0 - place).min_element() < 0.04;
                 let there = place.x < 0.5 || place.y > 0.75;
                 (!near && !border).then_some(if there { DVec3::X } else { DVec3::Z })

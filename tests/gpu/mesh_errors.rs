@@ -1,5 +1,5 @@
-//! Meshes from random views: how far the triangles are from the smooth surface on the screen, in `f64`,
-//! and whether the background shows through it.
+//! Meshes from random views: how far the triangles are from the smooth surface on the screen, in `f64`, and
+//! whether the background shows through.
 
 use freeform_surface::inspect::measure::Random;
 use freeform_surface::{Alpha, CreaseAngle, Frame, Mesh, Smoothing};
@@ -17,7 +17,7 @@ fn methods() -> [Smoothing; 2] {
     [Smoothing::Pn, Smoothing::Phong(Alpha::default())]
 }
 
-/// A tube along x whose neighbours need very different levels: short and long triangles in turns.
+/// A tube along x whose neighbours need very different levels: short and long triangles alternate.
 fn tube() -> Mesh {
     let mut text = String::new();
     let places = [0.0, 0.05, 1.0, 1.1, 3.0, 3.02];
@@ -64,7 +64,7 @@ fn everything_that_is_drawn_is_within_the_tolerance() {
                 DMat4::from_rotation_x(0.3) * DMat4::from_scale(dvec3(1.0, 1.3, -0.8));
             let mut prepared = stage.prepared(&scene);
             let pieces = pieces(&scene);
-            // The largest error beside what was asked for.
+            // The largest error relative to the requested tolerance.
             let mut max = 0.0_f64;
             for index in 0..views {
                 scene.camera = Some(view(&pieces, &mut random, LOOKS[index % 4]));
@@ -98,7 +98,7 @@ fn everything_that_is_drawn_is_within_the_tolerance() {
     assert!(points > 100_000 && measured > 2 * unmet, "{measured} and {unmet}, {points}");
 }
 
-/// Pictures of a mesh from all around, uniform and by tolerance, in turns.
+/// Pictures of a mesh from all directions, alternately with one level and by tolerance.
 fn check_no_background_inside(name: &str, mesh: &Mesh, views: usize, is_round: bool) {
     let mut stage = Stage::new(uvec2(160, 120));
     let mut random = Random(33);
@@ -162,7 +162,8 @@ fn no_background_in_a_pawn() {
 
 #[test]
 fn a_gap_is_noticed() {
-    // A corner of one triangle of a ball is moved a little inwards: through the gap its other side is seen.
+    // A corner of one triangle of a ball is moved inwards a little. Through the gap, the other side of the ball
+    // is visible.
     let ball = mesh("icosahedron");
     let (mut positions, mut triangles) = (ball.positions().to_vec(), ball.triangles().to_vec());
     positions.push(positions[triangles[0][0].position as usize] * 0.97);

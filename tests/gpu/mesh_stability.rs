@@ -1,5 +1,5 @@
-//! The hard cases of smoothing, each a scene in `resources/scenes/stability` and a test: curved PN
-//! triangles beside Phong tessellation beside the mesh as it is.
+//! The hard cases of smoothing, each a scene in `resources/scenes/stability` and a test: curved PN triangles,
+//! Phong tessellation, and the mesh without smoothing.
 
 use freeform_surface::inspect::measure::Random;
 use freeform_surface::{AovKind, Frame, Scene};
@@ -14,7 +14,7 @@ fn scene(name: &str) -> Scene {
     load(&root().join("resources/scenes/stability").join(format!("tri-{name}.toml")))
 }
 
-/// How far a point is from a triangle.
+/// The distance of a point from a triangle.
 fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let to_edge = |a: DVec3, b: DVec3| {
         let along = b - a;
@@ -31,8 +31,8 @@ fn distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     }
 }
 
-/// Draws a scene in every way there is, and checks what must hold of it; `open` is how many edges of
-/// each mesh are at a border.
+/// Draws a scene with all methods and settings and checks its invariants; `open` is the number of border edges
+/// of each mesh.
 fn holds(name: &str, open: usize) {
     let mut scene = scene(name);
     assert_eq!(scene.meshes.len(), 3, "{name}");
@@ -57,7 +57,7 @@ fn holds(name: &str, open: usize) {
                 assert!(count_drawn(&picture) > 3_000, "{name}");
             }
             let (figures, drawn) = (prepared.stats(), stage.triangles(&mut prepared, &frame));
-            // Near views may reach the limit of 64 levels, never the scene's own.
+            // Near views may reach the limit of 64 levels; the scene's own view never does.
             assert!(index > 0 || figures.unmet.is_none(), "{name}: {figures:?}");
             if figures.largest_bound.is_some_and(|bound| bound <= 1.0) {
                 assert_eq!(cracks(&picture, &pieces, &frame, stage.size), 0, "{name}");

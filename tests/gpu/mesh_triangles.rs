@@ -20,14 +20,14 @@ fn phong() -> Smoothing {
     Smoothing::Phong(Alpha::default())
 }
 
-/// Turned, made longer and shorter, and mirrored.
+/// A transform that rotates, stretches, shrinks and mirrors.
 fn mirrored() -> DMat4 {
     DMat4::from_translation(dvec3(3.0, -1.0, 0.5))
         * DMat4::from_euler(EulerRot::XYZ, 0.4, 1.1, -0.7)
         * DMat4::from_scale(dvec3(-2.5, 2.0, 1.0))
 }
 
-/// Closed meshes with how fine they are cut at most.
+/// Closed meshes, each with the maximum level of its tests.
 fn closed() -> [(&'static str, Mesh, i64); 5] {
     [
         ("icosahedron", mesh("icosahedron"), 64),
@@ -39,8 +39,8 @@ fn closed() -> [(&'static str, Mesh, i64); 5] {
     ]
 }
 
-/// Fails unless all vertices of a frame are where the surface is, with its normals. Returns how many
-/// there were.
+/// Fails unless all vertices of a frame lie on the surface and have its normals. Returns the number of
+/// vertices.
 fn check_vertices(name: &str, stage: &mut Stage, scene: &Scene) -> usize {
     let pieces = pieces(scene);
     let mut prepared = stage.prepared(scene);
@@ -52,14 +52,14 @@ fn check_vertices(name: &str, stage: &mut Stage, scene: &Scene) -> usize {
         let point = piece.point(place);
         let expected = view.transform_point3(point);
         let position = DVec4::from_array(vertex.position.map(f64::from));
-        // A few units of the last place of numbers as large as the way to the eye.
+        // A few units in the last place of values as large as the distance from the eye.
         let max = 5e-7 * expected.length();
         let off = expected.distance(position.truncate());
         assert!(off <= max && position.w == 1.0, "{name}: {vertex:?} is off by {off}");
         let clip = DVec4::from_array(vertex.clip.map(f64::from));
         let off = (to_clip * point.extend(1.0)).distance(clip);
         assert!(off <= 4.0 * max, "{name}: {vertex:?} is off by {off} in clip space");
-        // As of surfaces, they point inwards.
+        // The normals point inwards, as those of surfaces do.
         let expected = DMat3::from_mat4(view) * -piece.normal(place);
         let normal = DVec3::from_array(vertex.normal.map(f64::from));
         assert!((normal.length() - 1.0).abs() < 1e-5, "{name}: {vertex:?}");
@@ -69,7 +69,7 @@ fn check_vertices(name: &str, stage: &mut Stage, scene: &Scene) -> usize {
     drawn.len()
 }
 
-/// All methods, levels and places of the closed meshes.
+/// Checks all methods, levels and places of the closed meshes.
 fn check_all_vertices(stage: &mut Stage, smoothing: Smoothing) {
     for (name, mesh, finest) in closed() {
         for transform in [DMat4::IDENTITY, mirrored()] {
@@ -79,7 +79,7 @@ fn check_all_vertices(stage: &mut Stage, smoothing: Smoothing) {
                 scene.meshes[0].transform = transform;
                 let name = format!("{name}, {smoothing:?}, level {level}, {transform}");
                 let count = check_vertices(&name, stage, &scene);
-                // Rings of triangles: those of levels 1, 2 and 3 are known by heart.
+                // The triangles form rings; their numbers at levels 1, 2 and 3 are known.
                 let expected = match level {
                     1 => Some(1),
                     2 => Some(6),
@@ -117,7 +117,8 @@ fn meshes_that_are_not_smoothed_stay_flat() {
     assert_eq!(check_vertices("flat", &mut stage, &scene), 3 * 256);
 }
 
-/// Fails unless all closed meshes meet at their edges, with levels of their own and with one for all.
+/// Fails unless the triangles of all closed meshes meet at their edges, with individual levels and with one
+/// level for all.
 fn check_all_edges(stage: &mut Stage, smoothing: Smoothing) {
     let mut random = Random(5);
     for (name, mesh, _) in closed() {
@@ -157,7 +158,7 @@ fn edges_of_phong_tessellation_meet_bit_for_bit() {
     check_all_edges(&mut Stage::new(uvec2(480, 300)), phong());
 }
 
-/// Whether something panics, without saying so.
+/// Whether something panics, without printing the message.
 fn fails(check: impl FnOnce() + std::panic::UnwindSafe) -> bool {
     std::panic::catch_unwind(check).is_err()
 }
@@ -181,7 +182,7 @@ fn shaders_that_are_a_little_wrong_are_noticed() {
         assert!(fails(check), "{old} became {new:?}");
     }
     for (file, old, new) in [
-        // Each side would have its own places.
+        // Each side would have places of its own.
         ("common/levels.glsl", "(levels + 1) / 2;", "(levels - 1) / 2;"),
         ("triangles/triangle.tese", "(at.y, level.w, level.x,", "(at.y, level.w, level.w,"),
     ] {
@@ -254,7 +255,7 @@ fn meshes_and_surfaces_share_a_scene() {
     let mut stage = Stage::new(uvec2(200, 150));
     let scene = load(&root().join("resources/surfaces/teapot.bpt"));
     let mut both = scene_of_mesh(mesh("torus"), Smoothing::Pn);
-    // Around the teapot.
+    // The mesh surrounds the teapot.
     both.meshes[0].transform = DMat4::from_rotation_x(1.6) * DMat4::from_scale(DVec3::splat(1.8));
     both.surfaces = scene.surfaces;
     both.camera = Some(both.framed(stage.aspect()));
@@ -265,7 +266,7 @@ fn meshes_and_surfaces_share_a_scene() {
     let picture = stage.picture(&mut prepared, &frame);
     let stats = prepared.stats();
     assert!(count_drawn(&picture) > 2_000);
-    // The second mesh is out of sight, the first is not.
+    // The second mesh is out of view, the first one is not.
     assert_eq!((stats.patches, stats.culled), (32 + 2 * 256, 256));
     assert!(stats.draws > 1 && stats.unmet.is_none(), "{stats:?}");
     let drawn = stage.triangles(&mut prepared, &frame);
@@ -273,7 +274,7 @@ fn meshes_and_surfaces_share_a_scene() {
     let numbers = drawn.iter().map(|vertex| vertex.patch);
     assert_eq!(numbers.clone().max(), Some(32 + 255));
     assert!((0..32 + 256).all(|patch| numbers.clone().any(|number| number == patch)));
-    // Numbers of pixels count through surfaces and meshes, and say which side is outside.
+    // The numbers in pixels count through surfaces and meshes, and the normals show which side is outside.
     let aovs = stage.aovs(&mut prepared, &frame);
     let eye = frame.camera.view.inverse().w_axis.truncate();
     let mut pixels = 0;
@@ -283,7 +284,7 @@ fn meshes_and_surfaces_share_a_scene() {
         }
         let to = |[x, y, z, _]: [f32; 4]| DVec3::from_array([x, y, z].map(f64::from));
         assert!((uv[0] + uv[1]) <= 1.0001 && uv[2] < (32 + 256) as f32, "{uv:?}");
-        // Away from the silhouette, what is seen of a closed mesh is its outside.
+        // Away from the silhouette, the visible side of a closed mesh is its outside.
         let towards = to(*normal).dot((eye - to(*position)).normalize());
         assert!(towards > -0.2, "{towards}");
         pixels += 1;

@@ -1,5 +1,5 @@
-//! Two hundred OBJ files as the world has them: each is drawn, or refused with one line; nothing opens when
-//! it is smoothed.
+//! Two hundred OBJ files with the variety of real files: each is drawn, or refused with one line. Smoothing
+//! opens no gaps.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -11,14 +11,14 @@ use glam::{DMat3, DVec3, UVec2, dvec3};
 
 use crate::harness::Stage;
 
-/// How a file is written down.
+/// The way in which a file is written.
 struct Style {
     line_end: &'static str,
-    /// Indices count backwards from the last above.
+    /// Indices are negative: they count back from the last definition above.
     negative: bool,
-    /// Faces stand before what they name.
+    /// Faces come before the definitions that they refer to.
     late: bool,
-    /// Every face has points of its own.
+    /// Every face has its own points.
     apart: bool,
     normals: bool,
     coordinates: bool,
@@ -76,7 +76,7 @@ impl Shape {
         self.add(&points, &faces);
     }
 
-    /// What is wrong with real files: fins, duplicates, faces turned round, degenerate faces.
+    /// Adds the faults of real files: fins, duplicates, reversed faces, degenerate faces.
     fn spoil(&mut self, random: &mut Random) {
         for _ in 0..random.below(4) {
             let face = self.faces[random.below(self.faces.len())].clone();
@@ -163,7 +163,7 @@ fn text_of(shape: &Shape, style: &Style, random: &mut Random) -> String {
 
 const SMOOTHINGS: [Smoothing; 2] = [Smoothing::None, Smoothing::Pn];
 
-/// Edges of an odd number of triangles, by where their ends are.
+/// Edges of an odd number of triangles, keyed by the positions of their ends.
 fn open_edges(mesh: &Mesh) -> usize {
     let mut sides: HashMap<[[u64; 3]; 2], usize> = HashMap::new();
     for triangle in mesh.triangles() {
@@ -237,7 +237,7 @@ fn two_hundred_files_are_drawn() {
         for smoothing in [Smoothing::Pn, Smoothing::Phong(Default::default())] {
             let fine = smooth(mesh.clone(), smoothing, 1).unwrap();
             assert!(fine.positions().iter().all(|point| point.is_finite()), "{name}");
-            // Far from the origin rounding makes triangles of no area, whose edges fall together.
+            // Far from the origin, rounding makes triangles of zero area, whose edges coincide.
             if offset == 0.0 {
                 assert!(open_edges(&fine) <= 3 * open, "{name}: {} of {open}", open_edges(&fine));
             }

@@ -1,4 +1,4 @@
-//! The linked programs have the names and places of the listings.
+//! The linked programs have the names and locations of the thesis' listings.
 #![allow(unsafe_code, reason = "one question to a program is asked of OpenGL itself")]
 
 use std::num::NonZeroU32;
@@ -13,8 +13,8 @@ use glow::HasContext as _;
 
 use crate::harness::{Checked, backends};
 
-/// The binding point of a storage block, asked of the linked program. (glow 0.17 asks for the length
-/// of the answer first, which Mesa says is 0.)
+/// The binding point of a storage block, queried from the linked program. (glow 0.17 first queries the length
+/// of the answer, which Mesa reports as 0.)
 fn storage_binding(context: &Headless, program: &Program, block: &str) -> Option<i32> {
     type GetProgramResourceiv = unsafe extern "C" fn(
         program: u32,
@@ -148,7 +148,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
     assert_eq!(circles.uniform_location("intervalBool"), None);
 }
 
-/// Every kind of trim compiles alone, so that no part relies on another.
+/// Every kind of trim compiles alone, so that no code of one kind relies on another.
 #[test]
 fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
     let context = Checked::new(backends()[0]);

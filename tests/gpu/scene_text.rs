@@ -1,4 +1,4 @@
-//! Scenes as text: what is written draws the same picture when it is read.
+//! Scenes as text: a scene that is written and read back draws the same picture.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use glam::{DMat4, DVec3, UVec2, dvec3};
 
 const SIZE: UVec2 = UVec2::new(160, 96);
 
-/// All scenes of the resources that can be read.
+/// All scenes of the resources that are readable.
 fn scenes() -> Vec<PathBuf> {
     let folders = ["thesis", "report", "stability", "gallery"].map(|name| format!("scenes/{name}"));
     let mut scenes = Vec::new();
@@ -24,11 +24,11 @@ fn scenes() -> Vec<PathBuf> {
     scenes
 }
 
-/// Writes a scene as if it stood in the folder of its file, and reads that again.
+/// Writes a scene as if to the folder of its file, and reads the text back.
 fn again(scene: &Scene, path: &Path) -> Scene {
     let written = scene.to_toml(path).unwrap();
     if !written.files.is_empty() {
-        // A mesh with creases that its file does not have is written anew, beside the scene.
+        // A mesh with creases that its file does not have is written to a new file beside the scene.
         assert!(!scene.meshes.is_empty(), "{}: {}", path.display(), written.files.len());
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("written.toml");
@@ -129,7 +129,7 @@ fn paths_keep_their_rules_and_lengths() {
     let mut written = scene.surfaces[0].trims.clone();
     written.paths.pop();
     assert!(read(&scene) == written);
-    // A border may be of paths alone; what is switched off is left out with it.
+    // A border may consist of paths alone. If loops are switched off, the paths are left out too.
     scene.surfaces[0].trims.loops.clear();
     written.loops.clear();
     assert!(read(&scene) == written);
@@ -154,7 +154,7 @@ fn paths_of_a_document_are_named_as_long_as_they_are_its_own() {
     assert_eq!(written(&scene), (2, 1));
     scene.surfaces[0].trims.paths.remove(1);
     assert_eq!(written(&scene), (1, paths.len()));
-    // What could not be read again is not written.
+    // A scene that could not be read back is not written.
     scene.surfaces[0].trims.paths = vec![paths[0].clone(); 3_000];
     let error = scene.to_toml(&path).unwrap_err().to_string();
     assert!(error.contains("many paths with rules in an SVG file"), "{error}");

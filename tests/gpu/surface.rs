@@ -1,4 +1,4 @@
-//! The ported class in a context of its caller's.
+//! The ported class in a context of the caller's.
 
 use std::rc::Rc;
 
@@ -53,7 +53,7 @@ impl FromAbove {
         self.stage.picture_of_surface(surface, &self.frame)
     }
 
-    /// Whether the pixel that shows (u, v) of the flat default surface is drawn.
+    /// Whether the pixel at (u, v) of the flat default surface is drawn.
     fn shows(&mut self, surface: &mut FreeFormSurface, uv: DVec2) -> bool {
         let picture = self.picture(surface);
         let at = (uv - 0.5) / 1.1 * f64::from(SIZE.y);
@@ -167,7 +167,7 @@ fn many_trims_cut_at_once(method: Method) {
         }
         assert_same(&format!("{name}-{method:?}"), &picture.image, &actual, &left_out, 2);
     };
-    // Without loops nothing speckles, and nothing is excused.
+    // Without loops there are no speckles, so no pixel is excused.
     compare("many-shapes", &mut surface);
     for i in 0..3 {
         let shift = dvec2(0.32 * f64::from(i) - 0.32, 0.22);
@@ -226,7 +226,7 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
     let mut plain = Surface::new(Degree::Cubic, surface.control_points().to_vec()).unwrap();
     plain.trims.circles.push(bare);
     assert!(FreeFormSurface::from_surface(stage.renderer(), plain).is_err());
-    // Also that of a mesh.
+    // The matrix of a mesh is refused too.
     let cube = crate::harness::root().join("resources/meshes/cube.obj");
     let mut scene = Scene::load(&cube).unwrap();
     scene.meshes[0].transform = projective;
@@ -343,8 +343,8 @@ fn the_teapot_matches_the_reference() {
     }
 }
 
-/// Mesa's software driver numbers vertices with 16 bits: 64 patches at level 64 in one draw would be
-/// rubbish.
+/// Mesa's software driver numbers vertices with 16 bits: 64 patches at level 64 in one draw would be drawn
+/// wrongly.
 #[test]
 fn sixty_four_patches_at_level_64_equal_the_patches_one_by_one() {
     let mut points = Vec::new();
@@ -366,7 +366,7 @@ fn sixty_four_patches(points: &[DVec4], method: Method) {
     scene.surfaces = vec![Surface::new(Degree::Cubic, points.to_vec()).unwrap()];
     let together = render(&scene, SIZE, backends()[0]);
 
-    // The same camera and clip planes, one surface for each patch.
+    // The same camera and clip planes, but one surface for each patch.
     scene.surfaces = points
         .chunks(16)
         .map(|patch| Surface::new(Degree::Cubic, patch.to_vec()).unwrap())
@@ -379,7 +379,7 @@ fn sixty_four_patches(points: &[DVec4], method: Method) {
     let apart = target.read();
     assert_eq!(difference(&together, &apart, &[], 0).unwrap().wrong, 0);
 
-    // And neither is rubbish.
+    // Both pictures are also correct.
     let picture = reference::render(&scene, SIZE, method).unwrap();
     assert_same(
         &format!("64-patches-{method:?}"),

@@ -1,5 +1,5 @@
-//! Patches in triangles: neighbours meet, no more triangles than it takes, draws that the driver can
-//! number, and nothing drawn that is not seen.
+//! Tessellation of patches: neighbours meet, there are no more triangles than necessary, draws are small enough
+//! for the driver's numbering, and nothing invisible is drawn.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -34,8 +34,8 @@ fn control_points_of(side: Side, degree: Degree, points: &[DVec4]) -> Vec<DVec4>
     (0..n).map(|i| points[place(i)]).collect()
 }
 
-/// By how much the weights of `a` are those of `b`, if the two are one curve in either direction and
-/// this is a power of two, which scales without rounding.
+/// The factor between the weights of `a` and those of `b`, if both are the same curve in either direction and
+/// the factor is a power of two, which scales without rounding.
 fn ratio_of_one_curve(a: &[DVec4], b: &[DVec4]) -> Option<f64> {
     let ratio_along = |b: &mut dyn Iterator<Item = &DVec4>| {
         let pairs: Vec<_> = a.iter().zip(b).collect();
@@ -46,12 +46,12 @@ fn ratio_of_one_curve(a: &[DVec4], b: &[DVec4]) -> Option<f64> {
     ratio_along(&mut b.iter()).or_else(|| ratio_along(&mut b.iter().rev()))
 }
 
-/// A point of clip space, to the last bit.
+/// A point in clip space, to the last bit.
 type Bits = [u32; 4];
 /// The two ends of an edge of a triangle: places and (u, v).
 type Ends = [(Bits, [u32; 2]); 2];
 
-/// What of a side is in triangles: its vertices two by two.
+/// The segments of a side that belong to drawn triangles, each as a pair of vertices.
 fn segments(corners: &[&[DrawnVertex; 3]], side: Side, weight: f32) -> BTreeSet<[Bits; 2]> {
     let bits = |vertex: &DrawnVertex| vertex.clip.map(|x| (x * weight).to_bits());
     let mut found = BTreeSet::new();
@@ -68,8 +68,8 @@ fn segments(corners: &[&[DrawnVertex; 3]], side: Side, weight: f32) -> BTreeSet<
     found
 }
 
-/// Whether a line is seen: reaches into the view's frustum by more than the tolerance. What lies
-/// beside one need not be drawn.
+/// Whether a line is visible, that is, extends into the view frustum by more than the tolerance. Triangles
+/// beside an invisible line do not have to be drawn.
 fn is_seen(ends: [&DrawnVertex; 2]) -> bool {
     const MIN: f64 = 1.0 - 2e-3;
     let mut seen = [0.0_f64, 1.0];
@@ -91,7 +91,7 @@ fn is_seen(ends: [&DrawnVertex; 2]) -> bool {
     seen[0] < seen[1]
 }
 
-/// Triangles of each patch; those without area left out.
+/// The triangles of each patch, without those of zero area.
 fn by_patch(drawn: &[DrawnVertex]) -> HashMap<u32, Vec<&[DrawnVertex; 3]>> {
     let mut patches: HashMap<u32, Vec<&[DrawnVertex; 3]>> = HashMap::new();
     for triangle in drawn.as_chunks::<3>().0 {
@@ -103,10 +103,10 @@ fn by_patch(drawn: &[DrawnVertex]) -> HashMap<u32, Vec<&[DrawnVertex; 3]>> {
     patches
 }
 
-/// What of the scene's patches is compared.
+/// The amount of the scene's patches that was compared.
 #[derive(Default)]
 struct Met {
-    /// Pairs of sides that have something seen.
+    /// Pairs of sides with visible segments.
     pairs: usize,
     /// Segments of sides.
     segments: usize,
@@ -146,7 +146,7 @@ fn check_neighbours(name: &str, scene: &Scene, drawn: &[DrawnVertex]) -> Met {
     met
 }
 
-/// Fails unless every edge within a patch belongs to two triangles, so that its parts meet.
+/// Fails unless every edge within a patch belongs to two triangles, so that the patch's sub-patches meet.
 fn check_insides(name: &str, drawn: &[DrawnVertex]) {
     for (number, triangles) in by_patch(drawn) {
         let mut edges: HashMap<Ends, (usize, bool)> = HashMap::new();
@@ -168,7 +168,7 @@ fn check_insides(name: &str, drawn: &[DrawnVertex]) {
     }
 }
 
-/// The scene's own view, and random ones: the same number of each family.
+/// The scene's own view and random views, with the same number of each family.
 fn views(scene: &Scene, aspect: f64, of_each: u64) -> Vec<Option<Camera>> {
     let random = (0..4 * of_each).map(|index| Some(random_view(scene, 7, index, aspect)));
     [scene.camera].into_iter().chain(random).collect()
@@ -185,10 +185,10 @@ fn patches_of_the_teapot_meet_bit_for_bit() {
         let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
         let met = check_neighbours(&format!("view {view}"), &scene, &drawn);
         check_insides(&format!("view {view}"), &drawn);
-        // From outside nothing is culled: 4 neighbours in turn, of 9 times 4 patches and 4 of the
-        // bottom, and at the poles of lid and bottom each with each.
+        // From outside nothing is culled. The pairs are: 4 in each ring of 4 patches, of which there are 9 and
+        // one of the bottom; and at the poles of lid and bottom, each patch with each other.
         assert!(camera.is_some() || (met.pairs >= 52 && met.segments > 500), "{}", met.pairs);
-        // A part has at most 65 places along u.
+        // A sub-patch has at most 65 different values of u.
         let places = |triangles: &Vec<&[DrawnVertex; 3]>| {
             let all = triangles.iter().copied().flatten().map(|corner| corner.uv[0].to_bits());
             all.collect::<BTreeSet<u32>>().len()
@@ -232,7 +232,7 @@ fn all_parts_of_a_patch_are_drawn_once() {
     }
 }
 
-/// Two patches side by side, the first nearly flat, the second rough, turned by `turn`.
+/// Two patches side by side, turned by `turn`: the first is nearly flat, the second is rough.
 fn pair(random: &mut Random, degree: Degree, rational: bool, turn: usize) -> [Vec<DVec4>; 2] {
     let n = degree.side();
     let step = 1.0 / (n - 1) as f64;
@@ -270,7 +270,7 @@ fn random_patches_meet_in_every_orientation() {
                 surface
             };
             let together = surface(&[flat.as_slice(), &rough].concat());
-            // The flat one twice as heavy.
+            // The flat patch with all weights doubled.
             let heavy: Vec<DVec4> = flat.iter().map(|p| p.truncate().extend(2.0 * p.w)).collect();
             for (how, surfaces) in [
                 ("one surface", vec![together]),
@@ -324,7 +324,7 @@ fn rough_field(side: usize) -> Scene {
     let points_a_side = 3 * side + 1;
     let heights: Vec<f64> = (0..points_a_side.pow(2)).map(|_| random.between(-0.4, 0.4)).collect();
     let points = field(side, |column, row| match (column, row) {
-        // The first patch has the lowest and the highest of all.
+        // The first patch has the minimum and the maximum height of all.
         (1, 1) => -0.4,
         (2, 2) => 0.4,
         _ => heights[row * points_a_side + column],
@@ -342,21 +342,21 @@ fn draws_of_many_patches_are_few_and_whole() {
         let mut prepared = stage.prepared(&scene);
         let frame = stage.frame(&scene);
         let found = stage.measured(&scene, &mut prepared, &frame);
-        // A draw of more vertices than 16 bits can number would leave holes and draw other patches.
+        // A draw with more vertices than 16 bits can number would leave holes and draw wrong patches.
         assert!(found.covered > 100_000, "{found:?}");
         let wrong = found.crack_pixels + found.hidden_pixels + found.bad_values;
         assert_eq!(wrong, 0, "{found:?}");
         assert!(found.max_error_px <= 0.5, "{found:?}");
         let stats = prepared.stats();
         assert_eq!((stats.patches, stats.culled), (side * side, 0), "{stats:?}");
-        // A patch of n × m cells has somewhat more than n · m vertices, half as many as triangles.
+        // A patch of n × m cells has slightly more than n · m vertices, half as many as triangles.
         let (draws, vertices) = (stats.draws as u64, stats.triangles / 2);
         assert!(vertices > 300_000 && draws * 65_535 > vertices, "{stats:?}");
         assert!(draws <= 1 + vertices / 400, "{stats:?}");
     }
 }
 
-/// Whether a patch lies outside of one plane of the view's frustum.
+/// Whether a patch lies outside one plane of the view frustum.
 fn is_outside(points: &[DVec4], to_clip: DMat4) -> bool {
     let clips: Vec<DVec4> = points.iter().map(|p| to_clip * p.truncate().extend(1.0)).collect();
     (0..3).any(|axis| {
@@ -364,7 +364,7 @@ fn is_outside(points: &[DVec4], to_clip: DMat4) -> bool {
     })
 }
 
-/// Whether one of 17 × 17 points of a patch is in sight.
+/// Whether one of 17 × 17 points of a patch is visible.
 fn has_point_inside(points: &[DVec4], to_clip: DMat4) -> bool {
     let patch = Patch::new(Degree::Cubic, points);
     (0..17 * 17).any(|i| {
@@ -381,7 +381,7 @@ fn patches_out_of_sight_are_culled_and_not_missed() {
     let whole = rough_field(SIDE);
     let lens = Lens::Perspective { fov_y_radians: 0.7 };
     for (eye, target, seen_alone) in [
-        // From above, level with the field and from within it, and away from it.
+        // From above; level with the field; from within the field; and looking away from it.
         (dvec3(8.5, 11.0, 5.0), dvec3(8.6, 11.1, 0.0), 15..=40),
         (dvec3(17.5, 3.1, 1.0), dvec3(22.0, 3.0, 0.2), 1..=20),
         (dvec3(3.2, 18.0, 0.1), dvec3(0.0, 19.5, 0.0), 1..=25),
@@ -401,10 +401,11 @@ fn patches_out_of_sight_are_culled_and_not_missed() {
         let picture = stage.picture(&mut prepared, &frame);
         let stats = prepared.stats();
         assert_eq!(stats.patches, SIDE * SIDE);
-        // Of the others all parts may be out of sight.
+        // All sub-patches of the other patches may be out of view.
         let not_culled = stats.patches - stats.culled;
         assert!((shown..=seen.len()).contains(&not_culled), "{eye}: {not_culled}, {shown}");
-        // The field's first and last patch keep its box, from whose middle coordinates are rounded.
+        // The field's first and last patch preserve its box. Coordinates are rounded relative to the centre of
+        // this box.
         let ends = [patches.clone().next(), patches.clone().last()].map(Option::unwrap);
         let points = [&seen[..], &ends[..]].concat().concat();
         let alone = scene_of(vec![Surface::new(Degree::Cubic, points).unwrap()]);
@@ -427,7 +428,7 @@ fn closed_box(inside_out: bool) -> Surface {
             point[axis] = sign;
             point[(axis + 1) % 3] = u * sign;
             point[(axis + 2) % 3] = v;
-            // Bulges, the same ones on both sides of an edge.
+            // The bulges are the same on both sides of an edge.
             let [x, y, z] = point;
             let point = dvec3(x, y, z) * (1.15 - 0.05 * (x * x + y * y + z * z));
             net.push((point + 0.05 * dvec3(z * y, x * z, x * y)).extend(1.0));
@@ -437,7 +438,7 @@ fn closed_box(inside_out: bool) -> Surface {
     Surface::new(Degree::Cubic, points).unwrap()
 }
 
-/// Pixels of which a neighbour shows nothing.
+/// Pixels with a neighbour that shows nothing.
 fn at_silhouette(picture: &Image) -> Vec<bool> {
     let empty = |x: i64, y: i64| {
         let (Ok(x), Ok(y)) = (x.try_into(), y.try_into()) else { return true };
@@ -457,7 +458,7 @@ fn backs_of_a_closed_box_need_not_be_drawn() {
     for (transform, inside_out) in [
         (DMat4::IDENTITY, false),
         (moved, false),
-        // A mirror turns the sense of u and v around.
+        // A mirror reverses the orientation of u and v.
         (mirror, true),
         (DMat4::IDENTITY, true),
         (mirror, false),
@@ -488,11 +489,12 @@ fn backs_of_a_closed_box_need_not_be_drawn() {
             assert!(count_drawn(&all.0) > 10_000);
             culled += fronts.1.culled;
             if outwards {
-                // Where they meet at the silhouette, front and back are equally deep.
+                // At the silhouette, front faces and back faces meet at the same depth.
                 assert_same("backs", &all.0, &fronts.0, &at_silhouette(&all.0), 0);
                 let alpha = |picture: &Image| picture.pixels().map(|p| p.0[3]).collect::<Vec<_>>();
                 assert_eq!(alpha(&all.0), alpha(&fronts.0));
-                // Within a tolerance fronts alone may get fewer triangles than with their backs.
+                // Within a tolerance, front faces alone may get fewer triangles than together with the back
+                // faces.
                 let settings = within(0.5);
                 let found = stage.measured(&scene, &mut prepared, &Frame { settings, ..frame });
                 let wrong = found.crack_pixels + found.hidden_pixels;
@@ -502,7 +504,7 @@ fn backs_of_a_closed_box_need_not_be_drawn() {
                 assert_ne!(all.0, fronts.0, "fronts were left out and not missed");
             }
         }
-        // Of six sides one to three face away wholly.
+        // One to three of the six sides face away completely.
         assert!((12..=36).contains(&culled), "{culled} culled");
     }
 }
@@ -526,7 +528,7 @@ fn a_changed_control_point_draws_as_in_a_new_scene() {
     let mut prepared = stage.prepared(&scene);
     let frame = stage.frame(&scene);
     let mut before = stage.picture(&mut prepared, &frame);
-    // One inside of a patch of the body, one of the spout's edges: both stay in the model's box.
+    // One point inside a patch of the body and one on an edge of the spout. Both stay in the model's box.
     for (index, to) in [(4 * 16 + 5, dvec3(0.5, -0.5, 0.5)), (20 * 16 + 3, dvec3(0.0, 0.1, 1.0))] {
         assert_eq!(stage.picture(&mut prepared, &frame), before, "a still frame");
         prepared.surfaces_mut()[0].set_specific_control_point(to, index).unwrap();
@@ -541,7 +543,7 @@ fn a_changed_control_point_draws_as_in_a_new_scene() {
     }
 }
 
-/// Moves a patch point by point, and fails if its picture is then further off than it says.
+/// Moves a patch point by point, and fails if its picture then exceeds the tolerance.
 fn check_moved_by(distance: f64) {
     let mut stage = Stage::new(uvec2(480, 300));
     let [_, rough] = pair(&mut Random(1), Degree::Cubic, false, 0);
@@ -570,7 +572,8 @@ fn control_points_moved_far_away_stay_within_tolerance() {
     check_moved_by(1e6);
 }
 
-/// Surfaces in one draw fetch their matrices, one by itself has them as uniforms: the same numbers.
+/// Surfaces that share a draw fetch their matrices; a single surface has them as uniforms. The vertices must be
+/// the same.
 #[test]
 fn a_surface_has_the_same_triangles_alone_and_beside_another() {
     let mut stage = Stage::new(uvec2(640, 400));
@@ -588,7 +591,7 @@ fn a_surface_has_the_same_triangles_alone_and_beside_another() {
     let (mut alone, mut both) = (draw(&alone), draw(&both));
     assert!(both.len() > alone.len() && alone.len() > 3_000, "{} {}", both.len(), alone.len());
     both.retain(|corner| corner.patch < 32);
-    // The near and the far plane are those of all that is there.
+    // The near and the far plane depend on the whole scene, so that depths differ.
     alone.iter_mut().chain(&mut both).for_each(|corner| corner.clip[2] = 0.0);
     assert_eq!(alone, both);
 }

@@ -1,5 +1,5 @@
-//! How far triangles and normals are from the surfaces, in `f64`: on every scene there is, from views
-//! at random, and at every size and place that floats allow.
+//! How far triangles and normals deviate from the surfaces, in `f64`: on every scene of the project, from
+//! random views, and at all sizes and places that floats allow.
 
 use std::path::PathBuf;
 
@@ -14,9 +14,9 @@ use crate::harness::Stage;
 use crate::harness::patches::{at_level, is_long, scene_of, turned, within};
 use crate::harness::{figures, load, root};
 
-/// Degrees that a normal may be off.
+/// The maximum error of a normal, in degrees.
 const MAX_DEGREES: f64 = 0.1;
-/// Degrees that it may be off where the surface has only a limit.
+/// The maximum error, in degrees, where the surface's normal exists only as a limit.
 const MAX_DEGREES_OF_LIMIT: f64 = 2.0;
 
 /// A patch with the length of its longest tangent, in world space without a transform.
@@ -43,7 +43,7 @@ impl<'a> Truth<'a> {
         scene.surfaces.iter().flat_map(Surface::patches).map(Self::of).collect()
     }
 
-    /// Su × Sv where the surface has a normal to speak of, as `Measurement::normal_error_deg` says.
+    /// Su × Sv where the surface's normal is well defined, as `Measurement::normal_error_deg` states.
     fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         let point = self.patch.at(u, v);
         let cross = point.du.cross(point.dv);
@@ -52,7 +52,7 @@ impl<'a> Truth<'a> {
             .then(|| cross.normalize())
     }
 
-    /// The normal just inside of a corner.
+    /// The normal just inside a corner of the domain.
     fn limit(&self, u: f64, v: f64) -> DVec3 {
         let inside = |t: f64| t + 1e-5 * (1.0 - 2.0 * t);
         let point = self.patch.at(inside(u), inside(v));
@@ -75,7 +75,7 @@ fn moved(scene: &Scene, scale: f64, offset: f64) -> Scene {
     scene_of(surfaces.collect())
 }
 
-/// What was looked at.
+/// The number of values that were checked.
 #[derive(Debug, Default, PartialEq)]
 struct Count {
     pixels: usize,
@@ -83,7 +83,7 @@ struct Count {
     corners: usize,
 }
 
-/// Fails unless normals of all pixels and vertices of a frame are right.
+/// Fails unless the normals of all pixels and vertices of a frame are correct.
 fn check_normals(
     name: &str,
     stage: &mut Stage,
@@ -142,7 +142,7 @@ fn check_normals(
     count
 }
 
-/// Checks a scene in its size, very small, very large and far away.
+/// Checks a scene at its own size, very small, very large, and far from the origin.
 fn check_normals_at_all_sizes(name: &str, scene: &Scene, corners: usize) {
     let mut stage = Stage::new(uvec2(480, 300));
     for (scale, offset) in [(1.0, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e6)] {
@@ -205,8 +205,8 @@ fn normals_of_quartic_and_rational_patches() {
 #[test]
 fn normals_just_short_of_where_they_vanish() {
     let mut stage = Stage::new(uvec2(480, 300));
-    // (u, 3(v − fold)²): Sv vanishes just further inwards than the vertices at v = ¼, and the surface
-    // turns back. There Sv is too short to be taken as it is, and its series has the other sign.
+    // (u, 3(v − fold)²): Sv vanishes slightly further inwards than the vertices at v = ¼, and the surface turns
+    // back there. At these vertices Sv is too short to be used directly, and its series has the opposite sign.
     const FOLD: f64 = 0.25 + 1.5e-4;
     const SHORT: f64 = 1e-3;
     let (start, slope) = (3.0 * FOLD * FOLD, -2.0 * FOLD);
@@ -234,7 +234,7 @@ fn normals_just_short_of_where_they_vanish() {
     }
 }
 
-/// Every scene of surfaces but those that are refused.
+/// All scenes with surfaces, except those that are refused.
 fn scenes() -> Vec<PathBuf> {
     let teapot = root().join("resources/surfaces/teapot.bpt");
     let folder = std::fs::read_dir(root().join("resources/scenes/stability")).unwrap();
@@ -281,7 +281,7 @@ fn every_scene_is_within_its_tolerance_from_everywhere() {
                     ..
                 } = found;
                 let right = max_error_px <= tolerance && normal_error_deg <= MAX_DEGREES;
-                // Triangles are near the surface on the screen; in depth two of them may change places.
+                // Triangles are near the surface on the screen; in depth, two of them may swap their order.
                 let hidden = 1000 * hidden_pixels > found.covered;
                 if !right || crack_pixels + bad_values > 0 || hidden {
                     let name = path.file_name().unwrap().to_string_lossy();

@@ -1,6 +1,6 @@
-//! The hard cases of tessellation, each a scene in `resources/scenes/stability` and a test: both methods
-//! side by side from the scene's own camera. The exact method keeps half a pixel and a tenth of a
-//! degree everywhere; what is wrong with the thesis' picture at its level of 32 is stated.
+//! The hard cases of tessellation, each a scene in `resources/scenes/stability` and a test, with both methods
+//! side by side from the scene's own camera. The exact method stays within half a pixel and a tenth of a degree
+//! everywhere. The faults of the thesis' picture at its level of 32 are stated.
 
 use freeform_surface::inspect::measure::Measurement;
 use freeform_surface::{Frame, FrameStats, Method, Scene};
@@ -10,16 +10,16 @@ use crate::harness::Stage;
 use crate::harness::patches::within;
 use crate::harness::{load, root};
 
-/// What is wrong with a picture.
+/// A fault of a picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Fault {
-    /// A point is further from its surface than this, in pixels: one of [`BANDS`].
+    /// A point is further from its surface than this number of pixels, which is one of [`BANDS`].
     Off(f64),
     /// A normal is turned by more than 1°.
     Normals,
-    /// Pixels are left out within the surface.
+    /// Pixels within the surface are missing.
     Cracks,
-    /// Pixels show what is hidden.
+    /// Pixels show hidden points.
     Hidden,
     /// Values that are not finite.
     BadValues,
@@ -60,7 +60,7 @@ fn check(name: &str, thesis: &[Fault]) {
     assert_eq!(numbers, (0, 0, None), "{name}: {found:?} {stats:?}");
     assert!(found.max_error_px <= 0.5, "{name}: {found:?}");
     assert!(found.normal_error_deg <= 0.1, "{name}: {found:?}");
-    // What has a size on the screen is seen.
+    // Everything that has a size on the screen is visible.
     assert_eq!(found.covered > 0, name != "far", "{name}: {found:?}");
 
     let (found, _) = draw(&scene, Method::Thesis);

@@ -1,10 +1,10 @@
-//! The hard cases of trimming, each a scene in `resources/scenes/stability` and a test: what the
-//! thesis' method does with it, and that the exact method decides every sample as the oracle does.
+//! The hard cases of trimming, each a scene in `resources/scenes/stability` and a test. Each test states the
+//! result of the thesis' method, and checks that the exact method decides every sample as the oracle does.
 //!
-//! The exact method is tested at every pixel of a picture of 2048², drawn by the GPU, and on the CPU
-//! at rows through every v that the grid stores and one ulp beside it. The thesis' method is counted
-//! at every eighth pixel and row, among them those that the scenes are made for (every 64th where
-//! loops are thousands), by its twin in `f64`; it refuses what its forms cannot hold.
+//! The exact method is tested at every pixel of a picture of 2048², drawn by the GPU. On the CPU it is tested
+//! at rows through every v that the grid stores and one ulp beside it. The thesis' method is evaluated by its
+//! twin in `f64` at every eighth pixel and row (every 64th where there are thousands of loops). Among these are
+//! the rows and pixels for which the scenes are made. The method refuses loops that its forms cannot represent.
 
 use freeform_surface::inspect::{NewtonTrims, TrimGrid};
 use freeform_surface::{Newton, Scene, Trims};
@@ -16,12 +16,12 @@ use crate::harness::{load, root};
 
 const SIDE: u32 = 2048;
 
-/// What the thesis' method makes of a scene.
+/// The result of the thesis' method for a scene.
 #[derive(Debug, PartialEq)]
 enum Thesis {
-    /// So many of 256 × 256 samples are wrong, or of 32 × 32 where loops are thousands.
+    /// The number of wrong samples of 256 × 256, or of 32 × 32 where there are thousands of loops.
     Wrong(usize),
-    /// It cannot take the trims.
+    /// The method cannot represent the trims.
     Refuses,
 }
 
@@ -29,7 +29,7 @@ fn scene(name: &str) -> Scene {
     load(&root().join("resources/scenes/stability").join(format!("trim-{name}.toml")))
 }
 
-/// Which pixels the GPU cuts out of a scene's patch, first row below, as v has it.
+/// The pixels that the GPU cuts out of a scene's patch, bottom row first, in the direction of v.
 fn cut_by_gpu(scene: &Scene) -> Vec<bool> {
     let row = 4 * SIDE as usize;
     let image = Stage::new(UVec2::splat(SIDE)).render(scene);
@@ -49,12 +49,12 @@ fn thesis(trims: &Trims) -> Thesis {
     Thesis::Wrong(some.iter().map(wrong_in_row).sum())
 }
 
-/// Every v that the grid stores, and its neighbours.
+/// Every v that the grid stores, and the neighbouring values.
 fn stored_rows(grid: &TrimGrid) -> Vec<f32> {
     let mut rows: Vec<f32> = grid.pieces().iter().flat_map(|piece| [piece[1], piece[3]]).collect();
     rows.sort_by(f32::total_cmp);
     rows.dedup();
-    // Thousands of them would take hours; every case but two has fewer.
+    // Thousands of rows would take hours; all cases but two have fewer.
     let step = rows.len().div_ceil(400).max(1);
     rows.into_iter().step_by(step).flat_map(|v| [v.next_down(), v, v.next_up()]).collect()
 }

@@ -1,5 +1,5 @@
-//! Exact trims on the GPU: against the `f64` oracle, against their twin on the CPU bit for bit, with
-//! and without the grid, at every sample of a pixel.
+//! Exact trims on the GPU, compared with the `f64` oracle, and bit for bit with their twin on the CPU. They are
+//! tested with and without the grid, and at every sample of a pixel.
 #![allow(unsafe_code, reason = "targets with floats and with several samples are made here")]
 
 use freeform_surface::inspect::TrimGrid;
@@ -16,7 +16,7 @@ use crate::harness::Stage;
 use crate::harness::oracle::{EITHER_WAY, centers, changes_within, count_wrong};
 use crate::harness::{Checked, backends, load, root};
 
-/// A flat patch that fills a square picture one to one.
+/// A flat patch that fills a square picture exactly.
 fn flat(trims: Trims) -> Scene {
     let text = r#"
         camera = { eye = [0, 1, 0], target = [0, 0, 0], up = [0, 0, -1], orthographic_height = 1 }
@@ -44,7 +44,7 @@ fn random_loops(random: &mut Random) -> Vec<TrimLoop> {
     (0..1 + random.below(4)).map(|_| chain(random)).collect()
 }
 
-/// Random loops, and paths of both rules.
+/// Random loops, and paths with both fill rules.
 fn random_paths(random: &mut Random) -> Trims {
     let mut trims = Trims { loops: random_loops(random), ..Trims::default() };
     for _ in 0..1 + random.below(4) {
@@ -55,7 +55,7 @@ fn random_paths(random: &mut Random) -> Trims {
     trims
 }
 
-/// Draws flat scenes and counts the pixels that are decided wrongly.
+/// Draws flat scenes and counts the pixels with a wrong decision.
 struct FlatPictures(Stage);
 
 impl FlatPictures {
@@ -106,7 +106,7 @@ fn every_pixel_of_the_gallerys_trims_is_decided_as_the_oracle_does() {
     }
 }
 
-/// Trims of every kind: shapes, curves of every degree, islands, a crowd of small loops.
+/// Trims of every kind: shapes, curves of every degree, islands, and many small loops.
 fn mixed_trims() -> Trims {
     let mut trims =
         load(&root().join("resources/scenes/stability/trim-shapes.toml")).surfaces[0].trims.clone();
@@ -120,8 +120,7 @@ fn mixed_trims() -> Trims {
     trims
 }
 
-/// Petals that meet in one point. The cell there lists hundreds of pieces, which bulge to
-/// either side.
+/// Petals that meet in one point. The grid's cell there lists hundreds of pieces, which bulge to either side.
 fn starburst() -> Trims {
     let mut trims = Trims::default();
     for i in 0..120 {
@@ -167,7 +166,7 @@ impl FloatTarget {
         }
     }
 
-    /// Four floats a pixel, first row below.
+    /// Four floats per pixel, bottom row first.
     fn draw(&self, scene: &Scene, sources: Sources) -> Vec<[f32; 4]> {
         let mut renderer = Renderer::with_sources(&self.gl, sources).unwrap();
         let mut prepared = PreparedScene::new(&renderer, scene).unwrap();
@@ -204,7 +203,7 @@ impl Drop for FloatTarget {
     }
 }
 
-/// Shaders that show (u, v), and in blue 1 where it is kept and 0 where it is cut.
+/// Shaders that output (u, v), and in blue 1 where the surface is kept and 0 where it is cut.
 fn decisions() -> Sources {
     Sources::default()
         .with_edit(
@@ -262,19 +261,19 @@ bool cutByLoops(vec2 uv)
     decisions().with_edit("common/trim.glsl", &grid[start..end], &without)
 }
 
-/// A wavy patch whose triangles are no multiples of pixels, seen in perspective.
+/// A wavy patch whose triangles are not aligned with pixels, in perspective.
 fn curved(trims: Trims) -> Scene {
     let mut scene = Scene::listing16();
     scene.settings.background = [0.0; 4];
-    // A prime: the patch stays in one piece, and what is cut is drawn all the same.
+    // 61 is a prime: the patch is not split into sub-patches, so cut areas are drawn too.
     scene.settings.tessellation = Tessellation::Level(TessLevel::new(61).unwrap());
     scene.surfaces[0].trims = trims;
     scene.surfaces[0].shading = Shading::Unlit;
     scene
 }
 
-/// Compares every drawn pixel with the twin on the CPU and with the oracle; returns how many are
-/// drawn and cut.
+/// Compares every drawn pixel with the twin on the CPU and with the oracle. Returns the numbers of kept and cut
+/// pixels.
 fn compare(scene: &Scene, pixels: &[[f32; 4]]) -> [usize; 2] {
     let trims = &scene.surfaces[0].trims;
     let grid = TrimGrid::new(trims);
@@ -308,7 +307,7 @@ fn the_gpu_decides_bit_for_bit_as_the_cpu_does_on_a_curved_patch() {
                 0 => mixed_trims(),
                 1 => starburst(),
                 2 => {
-                    // Long lists with heads.
+                    // Long lists that have heads.
                     let path = TrimPath { loops: starburst().loops, rule: FillRule::NonZero };
                     Trims { paths: vec![path.clone(), path], ..Trims::default() }
                 }
@@ -350,10 +349,10 @@ fn the_grid_and_brute_force_agree_bit_for_bit_on_the_gpu() {
 
 #[test]
 fn parts_of_a_patch_change_nothing() {
-    // At level 32 parts are wholly kept, wholly cut, or trimmed; at level 1 there is one.
+    // At level 32, sub-patches are wholly kept, wholly cut, or trimmed; at level 1 there is a single sub-patch.
     let trims = mixed_trims();
     let mut whole = flat(trims.clone());
-    // The default patch is flat but not even: between its vertices (u, v) would be bent.
+    // The default patch is flat but unevenly parametrised: between its vertices (u, v) would be curved.
     for i in 0..16 {
         let place = dvec2(f64::from(i % 4), f64::from(i / 4)) / 3.0 - 0.5;
         whole.surfaces[0]
@@ -364,7 +363,7 @@ fn parts_of_a_patch_change_nothing() {
     parts.settings.tessellation = Tessellation::Level(TessLevel::new(32).unwrap());
     let pictures = [&whole, &parts]
         .map(|scene| crate::harness::render(scene, glam::UVec2::splat(512), backends()[0]));
-    // Levels place triangles differently, which rounds (u, v) differently.
+    // Levels place triangles differently, so that (u, v) is rounded differently.
     for picture in pictures {
         for (x, y, pixel) in picture.enumerate_pixels() {
             let uv = dvec2(f64::from(x) + 0.5, 511.5 - f64::from(y)) / 512.0;
@@ -374,9 +373,9 @@ fn parts_of_a_patch_change_nothing() {
     }
 }
 
-/// One picture for each sample of a pixel, of the samples that are drawn, first row below.
+/// One picture for each sample of a pixel, of the samples that are drawn, bottom row first.
 fn samples_drawn(context: &Checked, scene: &Scene, side: u32) -> Vec<(DVec2, Vec<bool>)> {
-    // glow 0.17 does not have it.
+    // glow 0.17 does not have this function.
     type GetMultisamplefv = unsafe extern "C" fn(name: u32, index: u32, value: *mut f32);
     let get_multisample_fv = context.proc_address(c"glGetMultisamplefv");
     assert!(!get_multisample_fv.is_null());
@@ -469,7 +468,7 @@ fn every_sample_of_a_pixel_is_decided_at_its_own_place() {
     }
 }
 
-/// The part of a pixel that lies in a polygon, by clipping.
+/// The area of a pixel that lies in a polygon, by clipping.
 fn covered(polygon: &[DVec2], corner: DVec2, size: f64) -> f64 {
     let mut points = polygon.to_vec();
     for (axis, sign, border) in [
@@ -497,8 +496,8 @@ fn covered(polygon: &[DVec2], corner: DVec2, size: f64) -> f64 {
     area.abs() * 0.5 / (size * size)
 }
 
-/// A square with a round hole and a star-shaped one, in the domain and turned by an angle in a
-/// picture from 0 to 1: the square's outline and those of the holes.
+/// A square with a round hole and a star-shaped hole, in the domain, rotated by an angle in a picture from 0 to
+/// 1. Also returns the outlines of the square and of the holes.
 fn turned_square(angle: f64) -> (Scene, [Vec<DVec2>; 3]) {
     let around =
         |count: usize| (0..count).map(move |i| i as f64 * std::f64::consts::TAU / count as f64);
@@ -534,7 +533,7 @@ fn edges_of_trims_and_silhouettes_cover_what_they_should() {
         let samples = Samples::new(samples).unwrap();
         let target = Framebuffer::for_samples(context.gl(), (SIDE, SIDE), samples).unwrap();
         let (mut silhouettes, mut edges) = (Vec::new(), Vec::new());
-        // Four samples do well in some directions and badly in others.
+        // Four samples are accurate for some directions of edges and inaccurate for others.
         for turn in 0..6 {
             let (mut scene, outlines) = turned_square(0.07 + 0.26 * f64::from(turn));
             scene.settings.samples = samples;

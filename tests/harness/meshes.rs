@@ -1,5 +1,5 @@
-//! What the tests of drawn meshes share: the smooth surfaces over their triangles in `f64`, random
-//! views, and what is wrong with pictures and triangles.
+//! Helpers for the tests of drawn meshes: the smooth surfaces over their triangles in `f64`, random views, and
+//! the faults of pictures and triangles.
 
 use std::collections::{HashMap, HashSet};
 
@@ -15,7 +15,7 @@ use glam::{DMat4, DVec2, DVec3, DVec4, UVec2, dvec2};
 use super::patches::scene_of;
 use super::root;
 
-/// Barycentric coordinates of a grid of four parts a side.
+/// Barycentric coordinates of a grid with four subdivisions per side.
 pub const GRID: [[f64; 3]; 15] = {
     let (mut grid, mut at, mut i) = ([[0.0; 3]; 15], 0, 0);
     while i <= 4 {
@@ -35,7 +35,7 @@ pub fn mesh(name: &str) -> Mesh {
     creased(name, 180.0)
 }
 
-/// The same with creases where its triangles are at more degrees.
+/// The same mesh with creases where the angle between triangles is larger than this.
 pub fn creased(name: &str, degrees: f64) -> Mesh {
     let path = root().join(format!("resources/meshes/{name}.obj"));
     let crease = CreaseAngle::new(degrees).unwrap();
@@ -55,7 +55,7 @@ pub struct Piece {
     to_world: DMat4,
     /// The flat triangle.
     pub corners: [DVec3; 3],
-    /// Numbers of its positions and edges, different for each mesh.
+    /// Numbers of its positions and edges, each with the number of the mesh.
     pub vertices: [(usize, u32); 3],
     pub edges: [(usize, u32); 3],
 }
@@ -65,7 +65,7 @@ impl Piece {
         self.transform.transform_point3(self.surface.position(u, v, w))
     }
 
-    /// Of unit length, away from the inside.
+    /// A unit vector that points outwards.
     pub fn normal(&self, [u, v, w]: [f64; 3]) -> DVec3 {
         self.to_world.transform_vector3(self.surface.normal(u, v, w)).normalize()
     }
@@ -104,20 +104,20 @@ pub fn pieces(scene: &Scene) -> Vec<Piece> {
     scene.meshes.iter().enumerate().flat_map(of).collect()
 }
 
-/// Edges of a scene's meshes that have one side only.
+/// The number of edges of a scene's meshes that have only one side.
 pub fn borders(scene: &Scene) -> usize {
     let of =
         |mesh: &HalfedgeMesh| (0..mesh.halfedges()).filter(|h| mesh.twin(*h).is_none()).count();
     scene.meshes.iter().map(|model| of(model.mesh())).sum()
 }
 
-/// The weights of a vertex.
+/// The barycentric weights of a vertex.
 pub fn weights(vertex: &DrawnVertex) -> [f64; 3] {
     let [v, w] = vertex.uv.map(f64::from);
     [1.0 - (v + w), v, w]
 }
 
-/// How a random view looks at a scene.
+/// The position of a random view relative to a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Distance {
     Far,
@@ -126,7 +126,7 @@ pub enum Distance {
     Inside,
 }
 
-/// A random camera; sizes are half of the diagonal of the pieces' box.
+/// A random camera; sizes are half the diagonal of the pieces' box.
 pub fn view(pieces: &[Piece], random: &mut Random, distance: Distance) -> Camera {
     let corners = || pieces.iter().flat_map(|piece| piece.corners);
     let [low, high] = corners()
@@ -172,8 +172,8 @@ fn clip_of(vertex: &DrawnVertex) -> DVec4 {
     DVec4::from_array(vertex.clip.map(f64::from))
 }
 
-/// The largest distance on the screen, in pixels, between a point of a drawn triangle that may be seen
-/// and the point of the smooth surface that it stands for; and how many such points there were.
+/// The largest distance on the screen, in pixels, between a possibly visible point of a drawn triangle and the
+/// corresponding point of the smooth surface. Also returns the number of such points.
 pub fn off_by(pieces: &[Piece], drawn: &[DrawnVertex], frame: &Frame, size: UVec2) -> (f64, usize) {
     let to_clip = to_clip(frame);
     let (mut max, mut count) = (0.0_f64, 0);
@@ -202,8 +202,8 @@ fn bits(vertex: &DrawnVertex) -> Bits {
     vertex.clip.map(|value| (value + 0.0).to_bits())
 }
 
-/// Fails unless both sides of every edge have the same vertices, and all triangles around a position
-/// the same corner. Returns how many levels the edges have, of each triangle.
+/// Fails unless both sides of every edge have the same vertices, and all triangles around a position have the
+/// same corner. Returns the number of levels of each edge, by triangle.
 pub fn check_edges(
     name: &str,
     pieces: &[Piece],
@@ -214,7 +214,7 @@ pub fn check_edges(
     for vertex in drawn {
         let (place, patch) = (weights(vertex), vertex.patch);
         for k in 0..3 {
-            // Edge k lies across from the corner after its end.
+            // Edge k lies opposite the corner that follows its end.
             if place[(k + 2) % 3].abs() < 1e-6 {
                 sides.entry((patch, k)).or_default().insert(bits(vertex));
             }
@@ -238,7 +238,7 @@ pub fn check_edges(
     levels
 }
 
-/// Groups of pixels that show nothing and are shut in, each pixel with its eight neighbours.
+/// Enclosed groups of pixels that show nothing. Each pixel is connected to its eight neighbours.
 pub fn holes(picture: &Image) -> Vec<Vec<(u32, u32)>> {
     let (width, height) = picture.dimensions();
     let mut seen = HashSet::new();
@@ -261,21 +261,21 @@ pub fn holes(picture: &Image) -> Vec<Vec<(u32, u32)>> {
     holes
 }
 
-/// Whether one sheet of the smooth surfaces covers a pixel and what is a pixel around it: the same side
-/// of it, in about the same depth. At silhouettes, where sheets end, half a tolerance may open a slit.
+/// Whether one sheet of the smooth surfaces covers a pixel and the places one pixel away from it, with the same
+/// side and about the same depth. At silhouettes, where sheets end, half a tolerance may open a slit.
 pub fn is_covered(pieces: &[Piece], frame: &Frame, size: UVec2, (x, y): (u32, u32)) -> bool {
     const SIDE: usize = 64;
     const SAME_DEPTH: f64 = 0.05;
     let to_clip = to_clip(frame);
     let middle = dvec2(f64::from(x) + 0.5, f64::from(size.y - 1 - y) + 0.5);
     let places = [DVec2::ZERO, DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y].map(|by| middle + by);
-    // The depth and the side of everything that covers each of them.
+    // The depth and the side of everything that covers each place.
     let mut covering: [Vec<(f64, bool)>; 5] = Default::default();
     let at = |piece: &Piece, i: usize, j: usize| {
         let place = [i, j, SIDE - i - j].map(|k| k as f64 / SIDE as f64);
         to_clip * piece.point(place).extend(1.0)
     };
-    // Pieces whose box on the screen, grown by its size, is elsewhere do not matter.
+    // Pieces are skipped if their box on the screen, enlarged by its own size, does not contain the pixel.
     let is_near = |piece: &&Piece| {
         let places = GRID.map(|place| to_clip * piece.point(place).extend(1.0));
         if places.iter().any(|clip| clip.w <= 0.0) {
@@ -293,7 +293,7 @@ pub fn is_covered(pieces: &[Piece], frame: &Frame, size: UVec2, (x, y): (u32, u3
             let second = (i + j + 2 <= SIDE)
                 .then(|| [at(piece, i + 1, j + 1), at(piece, i, j + 1), at(piece, i + 1, j)]);
             for triangle in [Some(first), second].into_iter().flatten() {
-                // What reaches before the near plane is cut there.
+                // Triangles that extend in front of the near plane are skipped, because they are clipped there.
                 if triangle.iter().any(|clip| clip.w <= 0.0 || clip.z < -clip.w) {
                     continue;
                 }
@@ -317,9 +317,9 @@ pub fn is_covered(pieces: &[Piece], frame: &Frame, size: UVec2, (x, y): (u32, u3
     })
 }
 
-/// Pixels that show the inside of closed meshes to an eye outside of them, as through a crack.
+/// Pixels that show the inside of closed meshes to an eye outside of them, as a crack would.
 pub fn insides(aovs: &Aovs, frame: &Frame) -> usize {
-    // Normals of smooth meshes are not quite those of the triangles.
+    // The normals of smooth meshes differ a little from those of the triangles.
     const TURNED: f64 = -0.5;
     let eye = frame.camera.view.inverse().w_axis.truncate();
     let vector = |[x, y, z, _]: &[f32; 4]| DVec3::from_array([*x, *y, *z].map(f64::from));
@@ -330,7 +330,7 @@ pub fn insides(aovs: &Aovs, frame: &Frame) -> usize {
     pixels.filter(|(normal, position)| towards(normal, position) < TURNED).count()
 }
 
-/// Pixels that show nothing though the surface is there: small groups of them, shut in.
+/// Pixels that show nothing although the surface is there, in small enclosed groups.
 pub fn cracks(picture: &Image, pieces: &[Piece], frame: &Frame, size: UVec2) -> usize {
     const SMALL: usize = 8;
     holes(picture)

@@ -1,4 +1,4 @@
-//! What the tests share: pictures from the GPU, and comparisons that say what differs.
+//! Helpers that the tests share: pictures from the GPU, and comparisons that report the differences.
 #![allow(dead_code, unreachable_pub, reason = "each crate of tests uses a part of it")]
 
 pub mod meshes;
@@ -43,15 +43,15 @@ pub fn load(path: &Path) -> Scene {
     Scene::load(path).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The backends to test: those that `FREEFORM_TEST_BACKENDS` names, as `check.sh` and continuous
-/// integration do; otherwise EGL, and OSMesa where it works, which newer distributions do not have.
+/// The backends to test: those that `FREEFORM_TEST_BACKENDS` names, as `check.sh` and continuous integration
+/// set it. Otherwise EGL, and OSMesa where it works; newer distributions do not contain OSMesa.
 pub fn backends() -> Vec<Backend> {
     static BACKENDS: OnceLock<Vec<Backend>> = OnceLock::new();
     let find = || {
         if let Ok(names) = std::env::var("FREEFORM_TEST_BACKENDS") {
             return names.split(',').map(|name| name.parse().expect("a backend's name")).collect();
         }
-        // On a thread of its own: a new context would take the place of the caller's.
+        // On a thread of its own: a new context would replace the caller's current one.
         let probe = std::thread::spawn(|| Headless::new(Backend::Osmesa).map(drop));
         match probe.join().expect("a probe") {
             Ok(()) => vec![Backend::Egl, Backend::Osmesa],
@@ -117,7 +117,7 @@ pub fn draw(
     let _ = prepared.draw(renderer, &frame).unwrap_or_else(|error| panic!("{error}"));
 }
 
-/// How two pictures differ outside the pixels that are left out.
+/// The differences of two pictures, without the pixels that are left out.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Difference {
     /// Pixels with a channel off by more than the tolerance.
@@ -211,10 +211,10 @@ fn write_failure(
     Ok(path)
 }
 
-/// Width of the band around edges where the exact place of a sample decides, in pixels.
+/// Width of the band around edges in which the exact place of a sample decides, in pixels.
 pub const BAND_PX: f64 = 1.5;
 
-/// Leaves out wrong pixels that a speckle between pixels explains; returns how many.
+/// Leaves out wrong pixels that a speckle between pixels explains; returns their number.
 pub fn excuse_speckles(
     scene: &Scene,
     picture: &Picture,
@@ -248,7 +248,7 @@ pub fn excuse_speckles(
 
 /// The stored reference picture of that name. With `UPDATE_REFERENCES=1` it is written first.
 pub fn stored_reference(name: &str, picture: &Image) -> Image {
-    // Tests of both backends read what one of them may be writing.
+    // Tests of both backends read files that one of the tests may be writing.
     static TURN: Mutex<()> = Mutex::new(());
     let _turn = TURN.lock();
     let path = root().join("tests/references").join(name).with_extension("png");

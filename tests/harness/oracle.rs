@@ -1,11 +1,11 @@
-//! The exact decision at many samples: the `f64` oracle, row by row, so that a row is asked only of
+//! The exact decision at many samples: the `f64` oracle, row by row, so that each row is tested only against
 //! the curves that it meets.
 
 use freeform_surface::inspect::{TrimGrid, ray_crossings};
 use freeform_surface::{FillRule, Keep, Segment, TrimLoop, Trims};
 use glam::{DVec2, Vec2, dvec2};
 
-/// How far from a curve a sample may be decided either way, in the unit of the domain.
+/// The distance from a curve within which a sample may be decided either way, in units of the domain.
 pub const EITHER_WAY: f64 = 2e-7;
 
 /// The centres of `side` × `side` pixels.
@@ -17,7 +17,7 @@ pub fn centers(side: u32) -> Vec<f64> {
 pub struct Row<'a> {
     trims: &'a Trims,
     v: f64,
-    /// Of the loops, then of each path.
+    /// The fill rule and the curves of the loops, then of each path.
     fills: Vec<(FillRule, Vec<&'a Segment>)>,
 }
 
@@ -61,8 +61,8 @@ pub fn changes_within(trims: &Trims, uv: DVec2, radius: f64) -> bool {
     })
 }
 
-/// Counts the samples, row by row, that are decided wrongly further than [`EITHER_WAY`] from a curve;
-/// `decided` has the samples of one row after the other, of rows `v`s and columns `u`s.
+/// Counts the samples that are decided wrongly and are further than [`EITHER_WAY`] from a curve. `decided` has
+/// the samples row by row, for the rows `vs` and the columns `us`.
 pub fn count_wrong(trims: &Trims, us: &[f64], vs: &[f64], decided: &[bool]) -> usize {
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let band = vs.len().div_ceil(threads).max(1);
@@ -89,7 +89,7 @@ fn wrong_in_band(trims: &Trims, us: &[f64], vs: &[f64], decided: &[bool]) -> usi
     wrong
 }
 
-/// Wrong decisions of the compiled trims on the CPU.
+/// The number of wrong decisions of the compiled trims on the CPU.
 pub fn count_wrong_of_grid(trims: &Trims, grid: &TrimGrid, us: &[f32], vs: &[f32]) -> usize {
     let decided: Vec<bool> =
         vs.iter().flat_map(|v| us.iter().map(|u| grid.cut(Vec2::new(*u, *v)))).collect();

@@ -17,12 +17,12 @@ pub fn within(pixels: f64) -> RenderSettings {
     }
 }
 
-/// Whether everything is tested that there is, however long it takes.
+/// Whether the long tests run too, which leave out nothing.
 pub fn is_long() -> bool {
     std::env::var_os("FREEFORM_TEST_LONG").is_some()
 }
 
-/// The same at one level.
+/// The same settings with one level.
 pub fn at_level(level: i64) -> RenderSettings {
     let tessellation = Tessellation::Level(TessLevel::new(level).unwrap());
     RenderSettings { tessellation, ..within(0.5) }
@@ -33,8 +33,8 @@ pub fn scene_of(surfaces: Vec<Surface>) -> Scene {
     Scene { up: DVec3::Z, settings, surfaces, ..Scene::default() }
 }
 
-/// A bicubic field of `side` × `side` patches over squares of size 1: control points at every third,
-/// their heights from a function of column and row.
+/// A bicubic field of `side` × `side` patches over squares of size 1. Its control points are a third apart, and
+/// their heights are a function of column and row.
 pub fn field(side: usize, height: impl Fn(usize, usize) -> f64) -> Vec<DVec4> {
     let mut points = Vec::with_capacity(16 * side * side);
     for patch in 0..side * side {
@@ -47,7 +47,7 @@ pub fn field(side: usize, height: impl Fn(usize, usize) -> f64) -> Vec<DVec4> {
     points
 }
 
-/// The net of a patch turned by quarters, and mirrored from 4 on.
+/// The net of a patch rotated by quarter turns, and mirrored from turn 4 on.
 pub fn turned(degree: Degree, points: &[DVec4], turn: usize) -> Vec<DVec4> {
     let n = degree.side();
     (0..n * n)

@@ -1,11 +1,11 @@
-//! The program in a folder of its own.
+//! Runs the program in a folder of its own.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
-/// The least scene.
+/// The smallest scene.
 pub const SCENE: &str = "surface = [{ control_points = \"default\" }]";
 
 pub struct Folder(TempDir);
@@ -55,7 +55,7 @@ impl Folder {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // A program that refuses its arguments reads nothing.
+        // A program that refuses its arguments does not read its input.
         let _ = child.stdin.take().unwrap().write_all(input.as_bytes());
         child.wait_with_output().unwrap()
     }

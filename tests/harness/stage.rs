@@ -14,14 +14,14 @@ use super::backends;
 
 /// Draws one scene after the other, and fails if the driver complains of anything.
 pub struct Stage {
-    /// Made when it is first needed.
+    /// Created when it is first needed.
     numbers: Option<FloatTarget>,
     offscreen: Offscreen,
     pub size: UVec2,
 }
 
 impl Stage {
-    /// In a context of the first backend.
+    /// In a context of the first backend to test.
     pub fn new(size: UVec2) -> Self {
         Self::with_sources(backends()[0], size, Sources::default())
     }
@@ -55,7 +55,7 @@ impl Stage {
         PreparedScene::new(self.renderer(), scene).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// A frame of the scene's own camera or of the one that frames it.
+    /// A frame of the scene's own camera, or of the camera that frames the scene.
     pub fn frame(&self, scene: &Scene) -> Frame {
         Frame::of(scene, self.size)
     }
@@ -86,7 +86,7 @@ impl Stage {
         prepared.draw(self.renderer_mut(), frame).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// The picture of one surface before a transparent background.
+    /// The picture of one surface on a transparent background.
     pub fn picture_of_surface(&mut self, surface: &mut FreeFormSurface, frame: &Frame) -> Image {
         self.target().bind();
         self.renderer().clear([0.0; 4]);
@@ -107,7 +107,7 @@ impl Stage {
         prepared.triangles(self.renderer_mut(), frame).unwrap()
     }
 
-    /// How far a frame is off.
+    /// The errors of a frame.
     pub fn measured(
         &mut self,
         scene: &Scene,

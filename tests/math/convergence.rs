@@ -1,4 +1,4 @@
-//! The distances of smoothed meshes from the surfaces that their corners and normals are of.
+//! The distances of smoothed meshes from the surfaces on which their corners lie and whose normals they have.
 #![allow(dead_code, unreachable_pub, reason = "a test and an example, each takes its part")]
 
 use std::fmt::Write as _;
@@ -9,13 +9,13 @@ use glam::DVec3;
 
 use crate::shapes::{grid, off_sphere, off_torus, sphere, torus};
 
-/// Where a flat triangle is measured.
+/// Each flat triangle is measured at a grid with this number of subdivisions per edge.
 const SAMPLES: u32 = 6;
 pub const LEVELS: [u32; 6] = [1, 2, 4, 8, 16, 32];
 pub const STEPS: [u32; 3] = [1, 2, 3];
 pub const HALVINGS: usize = 4;
 
-/// A surface, meshes of it from coarse to fine, each of half the edges, and the distance from it.
+/// A surface, its meshes from coarse to fine (each with edges half as long), and the distance from the surface.
 pub struct Shape {
     pub name: &'static str,
     pub meshes: [Mesh; HALVINGS],
@@ -42,7 +42,7 @@ fn point(corners: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     corners[0] * u + corners[1] * v + corners[2] * w
 }
 
-/// The largest distance of a mesh's flat triangles.
+/// The largest distance of a mesh's flat triangles from the surface.
 pub fn of_mesh(mesh: &Mesh, distance: fn(DVec3) -> f64) -> f64 {
     let of_triangle = |positions: [DVec3; 3]| {
         grid(SAMPLES).map(move |weights| distance(point(positions, weights))).fold(0.0, f64::max)
@@ -63,12 +63,12 @@ pub fn after_steps(
     of_mesh(&smooth(mesh.clone(), smoothing, steps).expect("a surface"), distance)
 }
 
-/// The largest distance of what is drawn at a level: flat triangles between the points of a grid.
+/// The largest distance of the triangles drawn at a level: flat triangles between the points of a grid.
 pub fn at_level(mesh: &Mesh, smoothing: Smoothing, level: u32, distance: fn(DVec3) -> f64) -> f64 {
     largest(mesh, smoothing, |surface| of_curved(surface, level, distance))
 }
 
-/// The largest distance of the smooth surface itself, at no level.
+/// The largest distance of the smooth surface itself, without tessellation.
 pub fn of_surface(mesh: &Mesh, smoothing: Smoothing, distance: fn(DVec3) -> f64) -> f64 {
     largest(mesh, smoothing, |surface| {
         grid(24).map(|[u, v, w]| distance(surface.position(u, v, w))).fold(0.0, f64::max)
@@ -159,7 +159,7 @@ fn table(
     }
 }
 
-/// The page of all tables.
+/// The document with all tables.
 pub fn document() -> String {
     let mut text = String::from(HEAD);
     for Shape { name, meshes, distance } in &shapes() {

@@ -1,5 +1,5 @@
-//! What is computed without OpenGL: trims, meshes, files; and the imports of the source against the tables of
-//! `ARCHITECTURE.md`.
+//! Tests of everything that is computed without OpenGL: trims, meshes and files. Also compares the imports of
+//! the source with the tables of `ARCHITECTURE.md`.
 
 mod convergence;
 mod mesh_borders;

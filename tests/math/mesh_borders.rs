@@ -1,5 +1,5 @@
-//! Edges that no surface has: of three triangles and more, or run through twice in one direction. They are
-//! borders that nothing opens, whatever smooths the mesh.
+//! Edges that no manifold surface has: shared by three or more triangles, or traversed twice in the same
+//! direction. They are borders, and smoothing must not open gaps along them.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn read(text: &str) -> Mesh {
 
 type Bits = [u64; 3];
 
-/// How many triangles each edge has, by where its ends are.
+/// The number of triangles at each edge, keyed by the positions of its ends.
 fn sides(mesh: &Mesh) -> HashMap<[Bits; 2], usize> {
     let mut sides = HashMap::new();
     for triangle in mesh.triangles() {
@@ -36,8 +36,8 @@ fn open_edges(mesh: &Mesh) -> usize {
     sides(mesh).values().filter(|count| **count == 1).count()
 }
 
-/// After a step of smoothing, an edge of an odd number of triangles is three such edges, and there are no
-/// others. (Edges within triangles have two sides, or four and more where triangles lie on each other.)
+/// After a step of smoothing, each edge of an odd number of triangles has become three such edges, and there
+/// are no others. (Edges within triangles have two sides, or four and more where triangles coincide.)
 fn check_nothing_opens(mesh: &Mesh) {
     let odd = |mesh: &Mesh| sides(mesh).into_values().filter(|count| count % 2 == 1).count();
     let open = odd(mesh);
@@ -48,7 +48,7 @@ fn check_nothing_opens(mesh: &Mesh) {
             assert_eq!(odd(&fine), open * 3_usize.pow(steps), "{smoothing:?}, {steps} steps");
         }
     }
-    // As the driver draws it: the same points from all sides of an edge, bit for bit.
+    // The driver draws the same points from all sides of an edge, bit for bit.
     let mesh = HalfedgeMesh::new(mesh.clone());
     let mut places: HashMap<(u32, u32), Vec<DVec3>> = HashMap::new();
     for halfedge in 0..mesh.halfedges() {
@@ -86,7 +86,7 @@ fn what_no_surface_has_is_read_and_counted() {
     }
 }
 
-/// Longitudes and latitudes with a seam: the first and the last meridian have points of their own.
+/// A sphere of longitudes and latitudes with a seam: the first and the last meridian have their own points.
 fn sphere_with_a_seam() -> String {
     let (rings, round) = (6, 8);
     let mut text = String::new();
@@ -109,7 +109,7 @@ fn sphere_with_a_seam() -> String {
     text
 }
 
-/// Two boxes side by side that have an edge in common, each with points of its own.
+/// Two boxes side by side that share an edge, each with its own points.
 fn touching_boxes(first: usize) -> String {
     let mut text = String::new();
     for (number, from) in [dvec3(5.0, 0.0, 0.0), dvec3(6.0, 1.0, 0.0)].into_iter().enumerate() {
@@ -153,7 +153,7 @@ fn normals_do_not_mix_where_two_shapes_touch() {
             assert!(normal.distance(face) < 1e-12, "a box's edges are creases: {normal} {face}");
         }
     }
-    // Without creases a box's corner has the mean of its own three sides still.
+    // Without creases, the normal at a box's corner is still the mean of that box's three sides.
     let round = Mesh::read_obj(text.as_bytes(), Path::new("x.obj"), CreaseAngle::NONE).unwrap();
     for triangle in round.triangles() {
         for corner in triangle {
@@ -161,7 +161,8 @@ fn normals_do_not_mix_where_two_shapes_touch() {
             let expected = 1.0 / 3.0_f64.sqrt();
             let near = normal.abs().distance(DVec3::splat(expected)) < 1e-12;
             let position = round.positions()[corner.position as usize];
-            // But at the common edge, which is a border: no triangle there sees all three sides.
+            // The shared edge is an exception. It is a border, where no triangle is connected to all three
+            // sides.
             let on_common_edge = position.truncate() == glam::dvec2(6.0, 1.0);
             assert!(near || on_common_edge, "{position}: {normal}");
         }
@@ -171,7 +172,7 @@ fn normals_do_not_mix_where_two_shapes_touch() {
 #[test]
 fn a_cube_without_normals_keeps_its_edges() {
     let cube: Vec<String> = touching_boxes(0).lines().map(str::to_owned).collect();
-    // The points of both boxes, the faces of the first.
+    // The points of both boxes, but only the faces of the first.
     let mesh = read(&cube[..14].join("\n"));
     assert_eq!(mesh.triangles().len(), 12);
     assert_eq!(mesh.normals().len(), 24);
@@ -180,7 +181,8 @@ fn a_cube_without_normals_keeps_its_edges() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, cases: 200, ..ProptestConfig::default() })]
 
-    /// Any triangles over a few points, so that edges of three and more and all directions are common.
+    /// Random triangles over a few points, so that edges with three and more triangles and in all directions
+    /// are common.
     #[test]
     fn nothing_opens_in_any_soup(
         points in prop::collection::vec((-1.0..1.0, -1.0..1.0, -1.0..1.0), 4..9),

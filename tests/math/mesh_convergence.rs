@@ -1,4 +1,4 @@
-//! How near smoothed meshes come to the sphere and the torus that they are made from.
+//! How close smoothed meshes come to the sphere and the torus on which their points lie.
 
 use crate::convergence::{
     HALVINGS, LEVELS, Shape, after_steps, at_level, of_surface, shapes as surfaces,

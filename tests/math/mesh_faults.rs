@@ -1,4 +1,4 @@
-//! The hard cases of smoothing: never NaN, never a crack, never a spike. And the other meshes of
+//! The hard cases of smoothing, which must never give NaNs, cracks or spikes. Also tests the other meshes of
 //! `resources/meshes`.
 
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ fn longest(p: [DVec3; 3]) -> f64 {
     (0..3).map(|k| p[k].distance(p[(k + 1) % 3])).fold(0.0, f64::max)
 }
 
-/// Edges that have one side only, by where they are: a crack is one, whatever the indices say.
+/// Edges with only one side, keyed by position: a crack is such an edge, whatever the indices.
 fn borders(mesh: &Mesh) -> usize {
     let bits = |point: DVec3| (point + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut sides: HashMap<_, i32> = HashMap::new();
@@ -45,7 +45,7 @@ fn borders(mesh: &Mesh) -> usize {
     sides.values().filter(|sides| **sides != 0).count()
 }
 
-/// Smooths a hard case, and checks what must hold of it; `open` is the number of its border edges.
+/// Smooths a hard case and checks its invariants; `open` is the expected number of border edges.
 fn holds(name: &str, open: usize) -> Mesh {
     let mesh = load(&format!("hard/{name}"));
     assert_eq!(borders(&mesh), open, "{name}");
@@ -61,7 +61,8 @@ fn holds(name: &str, open: usize) -> Mesh {
             for (triangle, parts) in coarse.triangles().iter().zip(fine.triangles().chunks(9)) {
                 let p = corners(&coarse, triangle);
                 for point in parts.iter().flat_map(|part| corners(&fine, part)) {
-                    // No further from the triangle than its longest edge; from its centroid even.
+                    // No point is further from the triangle than its longest edge, measured even from the
+                    // centroid.
                     let far = point.distance((p[0] + p[1] + p[2]) / 3.0);
                     assert!(far <= longest(p), "{name}, {smoothing:?}: {point}");
                 }
@@ -110,7 +111,7 @@ fn a_needle() {
 fn coincident_vertices() {
     let mesh = holds("coincident", 0);
     assert_eq!((mesh.positions().len(), mesh.triangles().len()), (63, 20));
-    // What the faces share they share by index.
+    // The faces share their edges by index.
     assert_eq!(HalfedgeMesh::new(mesh).edges(), 30);
 }
 
@@ -120,7 +121,7 @@ fn a_zero_normal() {
     let zero = mesh.normals().iter().position(|normal| *normal == DVec3::ZERO).unwrap() as u32;
     let mesh = HalfedgeMesh::new(mesh);
     let halfedge = (0..mesh.halfedges()).find(|h| mesh.vertex(*h) == zero).unwrap();
-    // The control point next to it is the third of a straight edge.
+    // The control point next to it lies at a third of a straight edge.
     let triangle = mesh.triangle(mesh.face(halfedge));
     let k = halfedge as usize % 3;
     let [from, to] = [triangle.positions[k], triangle.positions[(k + 1) % 3]];
@@ -152,7 +153,7 @@ fn a_boundary() {
 #[test]
 fn a_crease() {
     let mesh = HalfedgeMesh::new(holds("crease", 0));
-    // Both sides of every edge have the same two normals, though those of their corners differ.
+    // Both sides of every edge have the same two normals, although the normals of their corners differ.
     let normals = mesh.edge_normals();
     let mut creases = 0;
     for halfedge in 0..mesh.halfedges() {
@@ -164,7 +165,7 @@ fn a_crease() {
         creases += usize::from(own != at(halfedge)[0]);
     }
     assert_eq!(creases, 24);
-    // And it stays one: normals of two sides on every edge of the cube.
+    // The crease persists: every edge of the cube has the normals of its two sides.
     let fine = mesh.tessellate(Smoothing::Pn).unwrap();
     assert_eq!(fine.normals().len(), 6 + 2 * 18 + 12 + 2 * 12);
 }
@@ -172,7 +173,7 @@ fn a_crease() {
 #[test]
 fn edges_of_1e_3_at_a_million() {
     let mesh = holds("offset-1e6", 0);
-    // Moved to the origin without rounding, it becomes the same but for rounding.
+    // Moved to the origin, which is exact, the mesh gives the same result except for rounding.
     let place = DVec3::splat(1e6);
     let moved = Mesh::new(
         mesh.positions().iter().map(|p| *p - place).collect(),
@@ -220,7 +221,7 @@ fn the_shapes_are_closed_and_their_normals_point_out() {
             let normals = triangle.map(|corner| mesh.normals()[corner.normal as usize]);
             assert!(normals.iter().all(|normal| normal.dot(face) > 0.0), "{name}");
         }
-        // Outward: the volume is above 0.
+        // The mesh faces outwards if its volume is positive.
         let volume: f64 = mesh
             .triangles()
             .iter()
@@ -239,12 +240,12 @@ fn creases_by_angle() {
         let crease = CreaseAngle::new(degrees).unwrap();
         Mesh::load_obj(&file("cube"), crease).unwrap().normals().to_vec()
     };
-    // At 89 degrees each face has a normal at each of its corners; the fan's diagonal is no crease.
+    // At 89 degrees, each face has its own normal at each of its corners. The fan's diagonal is not a crease.
     assert_eq!(creased(89.0).len(), 24);
     assert!(creased(89.0).iter().all(|normal| normal.abs().max_element() == 1.0));
     let round = creased(91.0);
     assert_eq!(round.len(), 8);
-    // Weighted by angle, the diagonals do not matter.
+    // Because normals are weighted by angle, the diagonals have no effect.
     assert!(round.iter().all(|n| (n.abs() - DVec3::splat(1.0 / 3.0_f64.sqrt())).length() < 1e-15));
     assert_eq!(creased(180.0).len(), 8);
 }

@@ -1,5 +1,5 @@
-//! One step of smoothing: what is connected, where the new points lie, and that it does not matter
-//! how a mesh is written down.
+//! One step of smoothing: the topology, the positions of the new points, and independence from the order in
+//! which a mesh is written.
 
 use std::collections::{HashMap, HashSet};
 
@@ -16,7 +16,7 @@ fn phong(alpha: f64) -> Smoothing {
     Smoothing::Phong(Alpha::new(alpha).unwrap())
 }
 
-/// Border edges and the Euler number; every directed edge must be there once.
+/// The number of border edges and the Euler characteristic. Every directed edge must occur once.
 fn topology(mesh: &Mesh) -> (usize, i64) {
     let mut directed = HashSet::new();
     let mut vertices = HashSet::new();
@@ -31,7 +31,7 @@ fn topology(mesh: &Mesh) -> (usize, i64) {
     (borders, vertices.len() as i64 - edges as i64 + mesh.triangles().len() as i64)
 }
 
-/// The paper's point on a curved PN triangle, term by term.
+/// The point on a curved PN triangle by the paper's formula, term by term.
 fn pn_point(p: [DVec3; 3], n: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     let near = |i: usize, j: usize| (2.0 * p[i] + p[j] - (p[j] - p[i]).dot(n[i]) * n[i]) / 3.0;
     let [b012, b021] = [near(0, 1), near(1, 0)];
@@ -58,7 +58,8 @@ fn pn_normal(p: [DVec3; 3], n: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     (squares + u * v * middle(0, 1) + v * w * middle(1, 2) + w * u * middle(2, 0)).normalize()
 }
 
-/// The paper's point of Phong tessellation: projections into the corners' tangent planes, averaged.
+/// The point of Phong tessellation by the paper's formula: the projections into the corners' tangent planes,
+/// averaged.
 fn phong_point(p: [DVec3; 3], n: [DVec3; 3], weights: [f64; 3], alpha: f64) -> DVec3 {
     let mean = |points: [DVec3; 3]| (0..3).map(|i| weights[i] * points[i]).sum::<DVec3>();
     let flat = mean(p);
@@ -70,7 +71,7 @@ fn phong_normal(n: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     (u * n[0] + v * n[1] + w * n[2]).normalize()
 }
 
-/// A torus with normals that are not its own, so that nothing is symmetric.
+/// A torus with altered normals, so that nothing is symmetric.
 fn uneven() -> Mesh {
     let torus = torus(5);
     let wobble = |x: f64| (7.0 * x).sin() / 3.0;
@@ -114,7 +115,7 @@ impl MapTo for Vec<[u32; 3]> {
 
 #[test]
 fn every_new_point_is_that_of_the_papers() {
-    // Where corners of the nine parts lie in the old triangle.
+    // The places in the old triangle of the corners of the nine new ones.
     let places: Vec<[f64; 3]> = grid(3).collect();
     for mesh in [sphere(0), sphere(1), torus(6), uneven()] {
         for smoothing in [Smoothing::Pn, phong(0.75), phong(0.3), Smoothing::None] {
@@ -141,7 +142,7 @@ fn every_new_point_is_that_of_the_papers() {
                     found.insert(place.expect("a point of the closed form"));
                 }
                 assert_eq!(found.len(), 10, "all places of triangle {t}");
-                // The parts fill the triangle: each has the ninth of its area in the domain.
+                // The new triangles fill the old one: each has a ninth of its area in the domain.
                 let area = |[a, b, c]: [[f64; 3]; 3]| {
                     (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
                 };
@@ -173,7 +174,7 @@ fn twins_of_the_triangles_agree_with_the_papers_everywhere() {
             assert!(phong.position(u, v, w).distance(phong_point(p, n, weights, 0.75)) < 1e-13);
             assert!(phong.normal(u, v, w).distance(phong_normal(n, weights)) < 1e-13);
         }
-        // The control points: Bernstein's polynomials of them are the surface.
+        // The surface in Bernstein form over its control points.
         let [a, b, c, ab, ba, bc, cb, ca, ac, middle] = pn.control_points();
         let (u, v, w) = (0.2, 0.3, 0.5);
         let sides = ab * (u * u * v)
@@ -218,15 +219,15 @@ fn neighbours_have_the_same_points_to_the_last_bit() {
             [pn.position(u, v, w), pn.normal(u, v, w), phong.position(u, v, w)]
         };
         for step in 0..=16 {
-            // Exact in binary, so that 1 − t is the other side's t.
+            // Exact in binary, so that 1 − t is exactly t of the other side.
             let t = f64::from(step) / 16.0;
             assert_eq!(at(halfedge, t), at(twin, 1.0 - t));
         }
     }
 }
 
-/// The positions and normals of a step, by the positions of the triangles that they belong to and
-/// where they lie in them, so that the order of the triangles does not matter.
+/// The positions and normals after a step. The keys are the positions of the old triangle and the places in it,
+/// so that the order of the triangles does not matter.
 fn by_place(mesh: &Mesh, smoothing: Smoothing) -> HashMap<Vec<(u32, u32)>, [DVec3; 2]> {
     let smoothed = smooth(mesh.clone(), smoothing, 1).unwrap();
     let mut places = HashMap::new();
@@ -251,7 +252,7 @@ fn by_place(mesh: &Mesh, smoothing: Smoothing) -> HashMap<Vec<(u32, u32)>, [DVec
             }
         }
     }
-    // Old points, two for each of the 3/2 edges of a triangle, and one for each triangle.
+    // The old points, two new ones for each of the 3/2 edges per triangle, and one for each triangle.
     assert_eq!(places.len(), mesh.positions().len() + 4 * mesh.triangles().len());
     places
 }
@@ -274,7 +275,7 @@ fn the_order_of_faces_and_of_their_corners_changes_no_bit() {
             Mesh::new(positions, vec![], vec![], triangles, CreaseAngle::NONE).unwrap()
         };
         let old = faces(&uneven());
-        // 7 has no factor in common with the number of faces.
+        // 7 is coprime to the number of faces.
         let mixed: Vec<[u32; 3]> = (0..old.len())
             .map(|i| {
                 let mut face = old[7 * i % old.len()];
@@ -290,7 +291,7 @@ fn the_order_of_faces_and_of_their_corners_changes_no_bit() {
 
 #[test]
 fn half_edges_know_their_neighbours() {
-    // Two triangles and a third that touches them in a vertex alone.
+    // Two triangles, and a third one that touches them in a single vertex.
     let positions =
         vec![DVec3::ZERO, DVec3::X, DVec3::Y, dvec3(1.0, 1.0, 0.0), -DVec3::X, -DVec3::Y];
     let normals = vec![DVec3::Z; 6];

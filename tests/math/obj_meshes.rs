@@ -1,4 +1,5 @@
-//! Wavefront OBJ: what is read, what is refused with its line, and what is written reads back.
+//! Wavefront OBJ: files that are read, files that are refused with the line of the error, and written files
+//! that read back.
 
 use std::io::{BufReader, Read};
 use std::path::Path;
@@ -44,7 +45,7 @@ fn polygons_become_fans_and_missing_normals_are_computed() {
 
 #[test]
 fn computed_normals_are_weighted_by_angle() {
-    // A corner of a cube: faces of two triangles count no more than those of one.
+    // A corner of a cube: a face of two triangles has the same weight as a face of one.
     let mesh = read(&format!("{SQUARE}v 0 0 1\nf 1 2 3\nf 1 3 4\nf 5 1 4\nf 1 5 2\n")).unwrap();
     let normal = mesh.normals()[mesh.triangles()[0][0].normal as usize];
     assert!(normal.distance(dvec3(1.0, 1.0, 1.0).normalize()) < 1e-15, "{normal}");
@@ -54,10 +55,10 @@ fn computed_normals_are_weighted_by_angle() {
 fn equal_positions_are_one() {
     let twice = format!("{SQUARE}v -0 0 0\nv 1 1 0\nf 1 2 3\nf 5 6 4\n");
     assert_eq!(positions(&read(&twice).unwrap()), [[0, 1, 2], [0, 2, 3]]);
-    // Also where sheets touch in one edge.
+    // The same holds where sheets touch along an edge.
     let sheets = format!("{twice}v 0 0 0\nv 1 1 0\nv 0 0 5\nf 7 8 9\n");
     assert_eq!(positions(&read(&sheets).unwrap()), [[0, 1, 2], [0, 2, 3], [0, 2, 8]]);
-    // What has twice the same position is left out.
+    // A triangle that has the same position twice is left out.
     let line = format!("{twice}f 1 5 2\nf 1 1 3\n");
     assert_eq!(positions(&read(&line).unwrap()).len(), 2);
     let nothing = read(&format!("{SQUARE}f 1 1 3\n")).unwrap_err().to_string();
@@ -139,7 +140,7 @@ fn what_is_written_reads_back_as_the_same_numbers() {
     assert_eq!(torus.coordinates()[place], dvec2(0.0, 0.125));
 }
 
-/// A mesh, or an error of one line.
+/// Reading returns a mesh, or an error of one line.
 fn answers(bytes: &[u8]) {
     for degrees in [0.0, 180.0] {
         let crease = CreaseAngle::new(degrees).unwrap();

@@ -1,5 +1,5 @@
-//! OBJ files as people's programs write them: marks, lines that go on, late indices, materials, colours,
-//! concave faces, Bézier surfaces.
+//! OBJ files as other programs write them: byte order marks, continued lines, indices before their definition,
+//! materials, colours, concave faces, Bézier surfaces.
 
 use std::path::{Path, PathBuf};
 
@@ -54,7 +54,7 @@ fn marks_and_bytes_of_other_encodings_do_no_harm() {
         "{}",
         error(&wide)
     );
-    // Other texts have marks too.
+    // Other text files may begin with a byte order mark too.
     let folder = Folder::new(&[
         ("a.toml", "\u{feff}[[surface]]\ncontrol_points = \"default\"\n".as_bytes()),
         ("b.mtl", "\u{feff}newmtl red\nKd 1 0 0\n".as_bytes()),
@@ -75,12 +75,12 @@ fn lines_go_on_after_a_backslash() {
     {
         let text = format!("{SQUARE}{face}");
         match face {
-            // At the end of the file nothing goes on.
+            // At the end of the file there is no line to continue with.
             "f 1 2 3 4\\" => assert!(error(&text).contains("x.obj:5:"), "{}", error(&text)),
             _ => assert_eq!(read(&text).unwrap(), plain, "{face:?}"),
         }
     }
-    // Paths in comments end in one as well; lines count as the file has them.
+    // Paths in comments may end in a backslash too; line numbers are those of the file.
     let text = format!("# from C:\\models\\\n{SQUARE}f 1 \\\n 2 3\nf 1 2 nine\n");
     assert!(error(&text).starts_with("x.obj:8: "), "{}", error(&text));
     let long = format!("{SQUARE}f {}", "1 2 3 \\\n".repeat(200_000));
@@ -94,7 +94,7 @@ fn indices_may_be_of_what_stands_further_down() {
     let plain =
         read("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nf 1/1/1 2/2/1 3/3/1\n");
     assert_eq!(late.unwrap(), plain.unwrap());
-    // Negative ones count from where they stand.
+    // Negative indices count back from their own line.
     let negative = read("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 5 5 5\n").unwrap();
     let corner = negative.triangles()[0][0].position;
     assert_eq!(negative.positions()[corner as usize], DVec3::ZERO);
@@ -169,7 +169,7 @@ fn materials_and_their_pictures_are_found() {
     assert_eq!(scene.files, files);
     let model = &scene.meshes[0];
     assert_eq!(model.mesh().mesh().triangles().len(), 5);
-    // The triangles are in the order of their materials; what has none is grey.
+    // The triangles are in the order of their materials; those without a material are grey.
     let materials: Vec<_> =
         model.materials.iter().map(|one| (one.name.as_str(), one.triangles.len())).collect();
     assert_eq!(materials, [("red", 2), ("blue", 1)]);
@@ -185,7 +185,7 @@ fn materials_and_their_pictures_are_found() {
             assert_eq!(red, material.name == "red", "{corners:?}");
         }
     }
-    // A scene's own color wins.
+    // A scene's own colour has priority.
     let scene = folder.load("scene.toml");
     assert_eq!(scene.meshes[0].materials.len(), 2);
     assert_eq!(scene.meshes[1].materials, []);
@@ -201,7 +201,7 @@ fn missing_materials_are_no_error() {
         ("b.mtl", b"newmtl red\nKd 1 0 0\nmap_Kd none.png\nKd nonsense\n"),
     ]);
     assert_eq!(folder.load("a.obj").meshes[0].materials, []);
-    // What is looked for is watched for.
+    // A missing file is listed too, so that it can be watched.
     assert_eq!(folder.load("a.obj").files[1], folder.path("none.mtl"));
     assert_eq!(folder.load("b.obj").meshes[0].materials[0].paint, Paint::Color([1.0, 0.0, 0.0]));
     assert_eq!(folder.load("b.obj").files[2], folder.path("none.png"));
@@ -216,7 +216,7 @@ fn positions_may_have_colors() {
     let mut written = Vec::new();
     mesh.write_obj(&mut written).unwrap();
     assert_eq!(read(&written).unwrap(), mesh);
-    // A step of smoothing mixes them.
+    // A step of smoothing interpolates the colours.
     let fine = freeform_surface::smooth(mesh.clone(), freeform_surface::Smoothing::Pn, 1).unwrap();
     assert_eq!(fine.colors().len(), fine.positions().len());
     for (position, color) in fine.positions().iter().zip(fine.colors()) {
@@ -233,7 +233,7 @@ fn positions_may_have_colors() {
     }
 }
 
-/// Points of a net of a surface whose height is no plane, u fastest.
+/// The control points of a net whose height is not planar; u varies fastest.
 fn net(columns: usize, rows: usize, weight: impl Fn(usize) -> f64) -> (String, Vec<DVec3>) {
     let mut text = String::new();
     let mut points = Vec::new();
@@ -299,7 +299,7 @@ fn weights_count_where_surfaces_are_rational() {
         let corner = surface.control_points()[4].truncate();
         assert!(patch.at(1.0, 0.0).position.distance(corner) < 1e-14);
     }
-    // As a surface of a scene.
+    // The same as a surface of a scene.
     let (points, _) = net(4, 4, |_| 1.0);
     let surf = format!("cstype bezier\ndeg 3 3\nsurf 0 1 0 1 {}\nend\n", numbers(1..=16));
     let folder = Folder::new(&[

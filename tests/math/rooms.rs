@@ -1,4 +1,5 @@
-//! `ARCHITECTURE.md` and other documents against the code: the floors of the rooms, and paths of files.
+//! Checks `ARCHITECTURE.md` and other documents against the code: the floors of the rooms (the layers of the
+//! modules), and the paths of files.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -7,7 +8,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The floors of the tables of `ARCHITECTURE.md`, library and program.
+/// The floors in the tables of `ARCHITECTURE.md`, library and program.
 fn floors() -> Vec<HashMap<String, u32>> {
     let text = std::fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap();
     let mut tables: Vec<HashMap<String, u32>> = Vec::new();
@@ -41,7 +42,7 @@ fn files(folder: &Path, within: &str, found: &mut Vec<(String, String)>) {
     }
 }
 
-/// The room of a table that a path belongs to: a file in a folder, or the folder.
+/// The room of a table that a path belongs to: the one of its file, or of its folder.
 fn room<'a>(rooms: &'a HashMap<String, u32>, path: &str) -> Option<&'a str> {
     let mut names = path.split('/');
     let first = names.next()?;

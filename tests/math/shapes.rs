@@ -1,4 +1,4 @@
-//! Meshes whose surfaces have an equation, for tests, benches and examples.
+//! Meshes of surfaces that have an equation, for tests, benches and examples.
 #![allow(dead_code, unreachable_pub, reason = "every user is a crate that takes what it needs")]
 
 use std::collections::HashMap;
@@ -48,7 +48,7 @@ pub fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (positions, faces)
 }
 
-/// An icosahedron on the unit sphere whose faces were cut into four repeatedly.
+/// An icosahedron on the unit sphere whose faces are repeatedly cut into four.
 pub fn sphere(halvings: u32) -> Mesh {
     let (mut positions, mut faces) = icosahedron();
     for _ in 0..halvings {
@@ -70,12 +70,12 @@ pub fn sphere(halvings: u32) -> Mesh {
     mesh(positions.clone(), positions, &faces)
 }
 
-/// How far a point is from the unit sphere.
+/// The distance of a point from the unit sphere.
 pub fn off_sphere(point: DVec3) -> f64 {
     (point.length() - 1.0).abs()
 }
 
-/// The radii of the torus: of its circle, and around it.
+/// The radii of the torus: of its centre circle, and of its tube.
 const TORUS: [f64; 2] = [1.0, 0.4];
 
 /// A torus around the y axis of `2·n` by `n` quads, two triangles each.
@@ -96,13 +96,13 @@ pub fn torus(n: u32) -> Mesh {
     mesh(positions, normals, &faces)
 }
 
-/// How far a point is from the torus.
+/// The distance of a point from the torus.
 pub fn off_torus(point: DVec3) -> f64 {
     let [major, minor] = TORUS;
     ((point.x.hypot(point.z) - major).hypot(point.y) - minor).abs()
 }
 
-/// The barycentric coordinates of a regular grid of `n` parts an edge.
+/// The barycentric coordinates of a regular grid with `n` subdivisions per edge.
 pub fn grid(n: u32) -> impl Iterator<Item = [f64; 3]> + Clone {
     (0..=n).flat_map(move |i| {
         (0..=n - i).map(move |j| [i, j, n - i - j].map(|k| f64::from(k) / f64::from(n)))

@@ -1,4 +1,4 @@
-//! SVG paths and documents as trims, against the pictures that resvg makes of them.
+//! SVG paths and documents as trims, compared with resvg's pictures of them.
 
 use freeform_surface::inspect::TrimGrid;
 use freeform_surface::{FillRule, Scene, Segment, TrimLoop, TrimPath, Trims};
@@ -7,10 +7,10 @@ use proptest::prelude::*;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
 
-/// Pixels a side of resvg's pictures.
+/// Side of resvg's pictures in pixels.
 const SIDE: u32 = 96;
 
-/// resvg's coverage of a square document, 0 to 255, first row above.
+/// resvg's coverage of a square document, 0 to 255, top row first.
 fn coverage(document: &str) -> Vec<u8> {
     let tree = Tree::from_str(document, &Options::default()).unwrap();
     assert_eq!(tree.size().width(), tree.size().height());
@@ -38,7 +38,7 @@ fn near_borders(paths: &[TrimPath]) -> Vec<bool> {
     near
 }
 
-/// No less than the length of a curve.
+/// An upper bound of the length of a curve.
 fn length(segment: &Segment) -> f64 {
     segment.points().windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
@@ -72,7 +72,7 @@ fn rule() -> impl Strategy<Value = (FillRule, &'static str)> {
     prop_oneof![Just((FillRule::NonZero, "nonzero")), Just((FillRule::EvenOdd, "evenodd"))]
 }
 
-/// A command with random numbers, absolute or relative.
+/// A path command with random values, absolute or relative.
 fn command() -> impl Strategy<Value = String> {
     let place = || -0.1..1.1;
     let step = || -0.5..0.5;
@@ -103,7 +103,7 @@ fn path_data() -> impl Strategy<Value = String> {
         .prop_map(|commands| format!("M.2 .3 L.8 .4 {}", commands.join(" ")))
 }
 
-/// `scale`, `rotate` and the like that leave something to see.
+/// Transforms such as `scale` and `rotate` that leave the shape visible.
 fn transform() -> impl Strategy<Value = String> {
     prop_oneof![
         (-3.0..3.0, -3.0..3.0).prop_map(|(x, y)| format!("translate({x} {y})")),

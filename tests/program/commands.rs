@@ -1,4 +1,4 @@
-//! The program as a person runs it: what it writes, what it says, and what it leaves alone.
+//! The program as a user runs it: the files that it writes, its messages, and the files that it leaves alone.
 
 use std::path::Path;
 use std::process::Command;
@@ -59,7 +59,7 @@ fn a_scene_comes_from_standard_input() {
         let [a, b] = ["in.png", "file.png"].map(|name| std::fs::read(folder.path(name)).unwrap());
         assert!(a == b, "{name}");
     }
-    // Its picture has the program's name.
+    // The picture is then named after the program.
     assert!(folder.run_with(&[&["render", "-"][..], &size].concat(), SCENE).status.success());
     assert!(folder.path("freeform.png").exists());
     for (scenes, text, words) in [
@@ -108,7 +108,7 @@ fn a_path_outside_of_the_domain_is_warned_of() {
             "M2 2 h1 v1 z M-3 .5 h1 v1 z",
             "freeform: warning: a.toml:3: this trim lies wholly outside",
         ),
-        // In reach of the domain, and one subpath in it.
+        // The path reaches into the domain, or one of its subpaths lies in it.
         ("M-1 .5 h1.5 v1 z", ""),
         ("M2 2 h1 v1 z M.2 .2 h.1 v.1 z", ""),
     ] {
@@ -203,7 +203,7 @@ fn samples_smooth_edges_and_the_method_can_be_chosen() {
         let partly: Vec<_> =
             image.pixels().filter(|pixel| !matches!(pixel.0[3], 0 | 255)).collect();
         assert!(partly.len() >= min && (min > 0 || partly.is_empty()), "{samples}");
-        // What is partly covered keeps the colour of what covers it.
+        // A partly covered pixel keeps the colour of the surface that covers it.
         for pixel in partly {
             let [red, green, blue, _] = pixel.0;
             assert!(red > 245 && (118..140).contains(&green) && blue < 10, "{pixel:?}");
@@ -254,7 +254,7 @@ fn info_says_in_one_line_whether_the_driver_is_right() {
     assert_eq!(said.lines().count(), 1, "{said}");
 }
 
-/// Runs a render that must fail with one line, and looks that an older picture is still there.
+/// Runs a render that must fail with one line, and checks that an older picture still exists.
 fn refused(folder: &Folder, arguments: &[&str], status: i32, words: &[&str]) {
     let old = folder.write("old.png", b"an older picture");
     let arguments = [&["render", "-o", "old.png"], arguments].concat();
@@ -432,7 +432,7 @@ fn scenes_with_mistakes_are_refused_with_their_line() {
         ),
         ("surface = []".into(), &[":1:", "at least one [[surface]]"]),
     ] {
-        // A scene needs a surface; it stands last, so that lines count from the fault.
+        // A scene needs a surface. It is added last, so that lines count from the fault.
         let toml: String = toml;
         let whole = if toml.contains("surface") {
             toml
@@ -499,7 +499,7 @@ fn a_picture_never_replaces_what_the_scene_was_read_from() {
     assert!(text(&output.stderr).contains("wall.png, which the scene was read from"));
     assert_eq!(std::fs::read(folder.path("wall.png")).unwrap(), brick);
 
-    // Nor does the picture of one scene replace what another of the same call needs.
+    // Nor does the picture of one scene replace a file that another scene of the same call needs.
     let user = std::fs::read(folder.path("wall.toml")).unwrap();
     folder.write("user.toml", user);
     folder.write("wall.toml", SCENE);
@@ -524,7 +524,7 @@ fn pipes_and_devices_are_no_scenes() {
 #[test]
 fn without_a_driver_one_line_names_the_packages() {
     let folder = Folder::new();
-    // EGL without any vendor's library finds no device.
+    // If no vendor's library is configured, EGL finds no device.
     let output = Command::new(env!("CARGO_BIN_EXE_freeform"))
         .args(["info", "--backend", "egl"])
         .env("__EGL_VENDOR_LIBRARY_DIRS", folder.root())

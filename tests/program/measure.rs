@@ -1,8 +1,8 @@
-//! `freeform measure`, the numbers of pixels that `--aov` writes, and what `--tolerance` takes.
+//! `freeform measure`, the AOVs that `--aov` writes, and the values that `--tolerance` accepts.
 
 use crate::harness::program::{Folder, SCENE, resource, text};
 
-/// A flat unit square from straight above: u to the right and v up, 100 pixels a unit, the square in
+/// A flat unit square seen straight from above, with u to the right and v up, at 100 pixels per unit. It covers
 /// pixels 5 … 105.
 fn square() -> String {
     let points: Vec<String> = (0..16)
@@ -15,14 +15,14 @@ fn square() -> String {
     )
 }
 
-/// The number behind some words.
+/// The number that follows some words.
 fn number_after(said: &str, words: &str) -> f64 {
     let (_, rest) = said.split_once(words).unwrap_or_else(|| panic!("no {words:?} in {said}"));
     let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
     rest[..end].parse().unwrap_or_else(|error| panic!("{error} after {words:?} in {said}"))
 }
 
-/// What `measure` says on standard output.
+/// The standard output of `measure`.
 fn measured(folder: &Folder, arguments: &[&str]) -> String {
     let arguments = [&["measure", "--resolution", "96x64"], arguments].concat();
     let output = folder.run(&arguments);
@@ -31,7 +31,7 @@ fn measured(folder: &Folder, arguments: &[&str]) -> String {
     said
 }
 
-/// The same as objects, one for each line.
+/// The output as JSON objects, one per line.
 fn objects(folder: &Folder, arguments: &[&str]) -> Vec<serde_json::Value> {
     let said = measured(folder, &[arguments, &["--format", "json"]].concat());
     said.lines().map(|line| serde_json::from_str(line).expect("one object a line")).collect()
@@ -91,7 +91,7 @@ fn measure_takes_method_level_tolerance_and_normals() {
     assert_eq!(fine["tolerance"], 0.05);
     let of = |object: &serde_json::Value, key: &str| object[key].as_f64().unwrap();
     assert!(of(&coarse, "max_error_px") > 0.5 && of(&fine, "max_error_px") <= 0.05);
-    // Normals of pixels do not depend on the triangles, interpolated ones do.
+    // Normals per pixel do not depend on the triangles, but interpolated normals do.
     assert!(of(&coarse, "normal_error_deg") > 5.0 && of(&fine, "normal_error_deg") < 0.1);
     assert!(of(&one(&["--level", "2", "--normals", "pixel"]), "normal_error_deg") < 0.1);
 }
@@ -126,7 +126,7 @@ fn measure_goes_on_after_a_bad_scene() {
     assert_eq!(complained.lines().count(), 1, "{complained}");
 }
 
-/// An AOV's file: width, height, and for each pixel R, G, B and A; of depth Z alone.
+/// An AOV's file: width, height, and for each pixel R, G, B and A, or Z alone for depth.
 fn exr(folder: &Folder, name: &str) -> (u32, u32, Vec<[f32; 4]>) {
     let read = exr::prelude::read_first_flat_layer_from_file(folder.path(name)).unwrap();
     let layer = read.layer_data;
@@ -198,7 +198,7 @@ fn aovs_count_patches_through_all_surfaces() {
     let mut patches: Vec<f32> = drawn().map(|pixel| pixel[2]).collect();
     patches.sort_by(f32::total_cmp);
     patches.dedup();
-    // The square is the last; of the teapot some patches are hidden.
+    // The square is the last patch; some patches of the teapot are hidden.
     assert!(patches.iter().all(|patch| patch.fract() == 0.0), "{patches:?}");
     assert!(patches.len() > 10 && patches.last() == Some(&32.0), "{patches:?}");
 }
@@ -315,7 +315,7 @@ fn verbose_says_what_was_drawn() {
     let finer = run(&["--tolerance", "0.05"]);
     assert!(number_after(&finer, "triangles ") > triangles, "{finer}");
     assert!(number_after(&finer, "at most ") <= 0.05, "{finer}");
-    // The thesis' method culls nothing and knows no bound.
+    // The thesis' method culls nothing and does not compute a bound.
     let thesis = run(&["--method", "thesis"]);
     assert!(thesis.contains("patches 2 drawn, 0 culled\ntriangles 4096, draws "), "{thesis}");
     assert!(!thesis.contains("px from the surface"), "{thesis}");

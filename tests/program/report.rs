@@ -1,4 +1,4 @@
-//! `freeform report`: its files, its figures, and what it says when it cannot work.
+//! `freeform report`: its files, its values, and its messages when it cannot work.
 
 use std::process::Command;
 
@@ -7,7 +7,7 @@ use crate::harness::program::{Folder, text};
 /// The project's scenes.
 const RESOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/resources");
 
-/// The rows of a section, as the program writes them.
+/// The rows of a section as the program writes them.
 fn rows(folder: &Folder, section: &str) -> Vec<serde_json::Value> {
     let arguments =
         ["report", "--quick", "--only", section, "--format", "json", "--resources", RESOURCES];
@@ -23,10 +23,10 @@ fn peers_are_measured_beside_exact_or_named_as_missing() {
     let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
     let (exact, floor) = (of("exact").expect("exact"), of("static mesh").expect("the floor"));
     assert!(number(exact, "max_error_px") <= 0.5, "{exact}");
-    // The same triangles are off by the same.
+    // The same triangles have the same error.
     assert_eq!(exact["triangles"], floor["triangles"]);
     assert!((number(exact, "max_error_px") - number(floor, "max_error_px")).abs() < 0.01);
-    // libGLU keeps its promise on this model; where it is not installed, that is said.
+    // libGLU stays within its tolerance on this model. Where it is not installed, the report says so.
     let glu = of("libGLU").expect("libGLU");
     if let Some(note) = glu["note"].as_str() {
         assert!(note.starts_with("not measured: ") && !everything_must_be_there(), "{note}");
@@ -56,12 +56,12 @@ fn a_page_and_its_data_are_written() {
     {
         assert!(page.contains(words), "{words}");
     }
-    // One file that needs nothing else, and no script.
+    // The page is one self-contained file without scripts.
     assert!(!page.contains("<script") && !page.contains("src=\"http"));
     let json: Vec<serde_json::Value> = serde_json::from_str(&read("r/report.json")).expect("JSON");
     let csv = read("r/triangles.csv");
     assert_eq!(csv.lines().count(), json.len() + 1);
-    // What is printed stands in the page.
+    // Everything that is printed is also in the page.
     let said = text(&output.stdout);
     let advice: Vec<&str> = said.lines().filter(|line| !line.starts_with("wrote ")).collect();
     assert!(advice.len() == 1 && advice[0].starts_with("Meshes, nearest"), "{said}");
@@ -74,21 +74,21 @@ fn no_pixel_is_wrong_by_exact_trims() {
     let of = |method: &str| rows.iter().filter(|row| row["method"] == method).collect::<Vec<_>>();
     let (exact, thesis) = (of("exact"), of("thesis"));
     assert!(exact.len() >= 12 && thesis.len() >= 20, "{} {}", exact.len(), thesis.len());
-    // Figure 26 is figure 25 in lines.
+    // Figure 26 is figure 25 drawn as lines.
     for row in exact.iter().filter(|row| row["scene"] != "figure 26") {
         assert_eq!(row["wrong_pixels"], 0, "{row}");
     }
-    // The thesis' own figures of what goes wrong do go wrong.
+    // The figures in which the thesis shows its defects do have wrong pixels.
     let wrong = thesis.iter().find(|row| row["scene"] == "figure 28").expect("figure 28");
     assert!(wrong["wrong_pixels"].as_u64() > Some(100), "{wrong}");
 }
 
-/// Whether all that the report is checked by must be installed (`sh setup.sh check`).
+/// Whether all tools that check the report must be installed (`sh setup.sh check`).
 fn everything_must_be_there() -> bool {
     std::env::var_os("FREEFORM_TEST_REPORT").is_some()
 }
 
-/// A browser without a window.
+/// A headless browser.
 fn chromium() -> Option<&'static str> {
     let is_there = |name: &&str| Command::new(name).arg("--version").output().is_ok();
     let found = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(is_there);
@@ -99,8 +99,8 @@ fn chromium() -> Option<&'static str> {
     found
 }
 
-/// What a browser says of a page that is 400 pixels wide: its width when it is laid out, how many of its
-/// pictures and plots have no alternative text, and how many there are; and what stands in the console.
+/// A browser's report on a page that is 400 pixels wide: the width after layout, the number of pictures and
+/// plots without alternative text, and the number of all of them. Also returns the output of the console.
 fn style(browser: &str, folder: &Folder, page: &str) -> ([usize; 3], String) {
     let source = page.replace('&', "&amp;").replace('"', "&quot;");
     let frame = format!(
@@ -143,7 +143,7 @@ fn a_browser_shows_the_page_on_a_phone_without_complaint() {
     let ([width, unnamed, pictures], console) = style(browser, &folder, &page);
     assert!(width <= 400 && pictures > 40, "{width} pixels wide, {pictures} pictures");
     assert_eq!((unnamed, console.as_str()), (0, ""));
-    // The looking itself notices what is wrong.
+    // This check itself must notice faults.
     let bad = r#"<p style="width: 500px">a<img src="data:,"><script>console.error("bad")</script>"#;
     let ([width, unnamed, _], console) = style(browser, &folder, bad);
     assert!(width > 500 && unnamed == 1 && console.contains("bad"), "{width} {unnamed} {console}");

@@ -1,4 +1,4 @@
-//! Files that are dropped on a window, as a file manager does it (the XDND protocol, version 5).
+//! Drops files on a window as a file manager does (the XDND protocol, version 5).
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -12,7 +12,7 @@ use x11rb::protocol::xproto::{
 use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 
-/// The longest that a window may take to accept what is dropped.
+/// The time limit for a window to accept a dropped file.
 const LONG: Duration = Duration::from_secs(60);
 
 /// Drops a file on a window, at a place on the screen.

@@ -1,5 +1,5 @@
-//! The window under Xvfb, with real keys and a real mouse from xdotool: what is on the screen is what it
-//! should be.
+//! The window under Xvfb, with real keys and a real mouse from xdotool: the screen must show the expected
+//! pictures.
 
 mod drop;
 #[path = "../harness/mod.rs"]
@@ -14,7 +14,7 @@ use harness::program::{Folder, resource, text};
 use harness::{assert_same, difference};
 use screen::Screen;
 
-/// A lit flat square seen from above, that fills most of the picture's left.
+/// A lit flat square seen from above, that fills most of the left side of the picture.
 const SQUARE: &str = r#"
 [camera]
 eye = [0.25, 2.0, 0.0]
@@ -39,12 +39,12 @@ fn place(scene: &Scene, point: DVec3) -> DVec2 {
     (ndc.xy() * dvec2(0.5, -0.5) + 0.5) * dvec2(1000.0, 600.0)
 }
 
-/// How many pixels differ much.
+/// The number of pixels that differ strongly.
 fn changed(before: &Image, after: &Image) -> usize {
     difference(before, after, &[], 16).unwrap().wrong
 }
 
-/// Red lines that a row of the picture crosses.
+/// The number of red lines that a row of the picture crosses.
 fn lines(picture: &Image, y: u32) -> usize {
     let red = |x: u32| {
         let [r, g, b, _] = picture.get_pixel(x, y).0;
@@ -60,7 +60,7 @@ fn every_key_does_what_its_line_says() {
     folder.write("b.toml", SQUARE.replace("[1.0, 1.0, 1.0]", "[0.0, 1.0, 0.0]"));
     let listed = text(&folder.run(&["view", "--list-bindings"]).stdout);
     let mut screen = Screen::start(&[scene.to_str().unwrap()]);
-    // Nothing over the picture.
+    // Removes the overlay from the picture.
     screen.keys(&["h", "h"]);
     let start = screen.picture();
     assert!(screen.title().starts_with("a.toml · level 4 · 32 triangles · "), "{}", screen.title());
@@ -75,15 +75,15 @@ fn every_key_does_what_its_line_says() {
     assert!(screen.title().contains("· tolerance 1 px ·"), "{}", screen.title());
     screen.keys(&["minus", "minus"]);
     assert!(screen.title().contains("· tolerance 0.2 px ·"), "{}", screen.title());
-    // A flat square does not depend on how it is cut.
+    // The picture of a flat square does not depend on its tessellation.
     assert_same("view-levels", &start, &screen.picture(), &[], 0);
 
-    // What a key switches on, it switches off.
+    // A key that switches something on also switches it off.
     for key in ["w", "c", "i", "l", "b", "n"] {
         screen.keys(&[key]);
         let on = screen.picture();
         assert!(changed(&start, &on) > 1_000, "{key}: {}", changed(&start, &on));
-        // Of nested loops the outer one stays.
+        // The outer one of the nested loops stays.
         if key == "n" {
             screen.keys(&["ctrl+z"]);
             assert_same("view-undo", &start, &screen.picture(), &[], 0);
@@ -106,7 +106,7 @@ fn every_key_does_what_its_line_says() {
     screen.keys(&["m"]);
     assert!(screen.title().contains("· tolerance 0.2 px ·"), "{}", screen.title());
 
-    // The camera: R and Enter bring it back.
+    // R and Enter restore the camera.
     let still = screen.picture();
     for key in [
         "Left",
@@ -126,7 +126,7 @@ fn every_key_does_what_its_line_says() {
         screen.keys(&[if key == "f" { "Return" } else { "r" }]);
         assert_same(&format!("view-{key}-reset"), &still, &screen.picture(), &[], 0);
     }
-    // The scene's camera looks from the top.
+    // The scene's camera looks from above.
     screen.keys(&["1"]);
     assert!(changed(&still, &screen.picture()) > 500);
     screen.keys(&["7"]);
@@ -151,7 +151,7 @@ fn every_key_does_what_its_line_says() {
     assert!(changed(&still, &screen.picture()) > 500);
     screen.keys(&["r"]);
 
-    // P and E want a mesh, and say so.
+    // P and E need a mesh, and report if there is no mesh.
     for key in ["p", "e"] {
         screen.keys(&[key]);
         assert!(changed(&still, &screen.picture()) > 50, "{key} says what it needs");
@@ -173,7 +173,7 @@ fn every_key_does_what_its_line_says() {
     assert!(screen.title().starts_with("a-edited-001.toml"), "{}", screen.title());
     screen.quit("ctrl+q");
 
-    // A line that is new in the list wants a test: here, or below for meshes, files and the mouse.
+    // A new line in the list needs a test: here, or below for meshes, files and the mouse.
     for line in listed.lines() {
         let known = [
             "Up, Down ",
@@ -220,7 +220,7 @@ fn twice_the_level_has_twice_the_lines() {
     let mut screen = Screen::start(&[scene.to_str().unwrap()]);
     screen.keys(&["h", "h", "w", "Up", "Up", "Up", "Up"]);
     assert!(screen.title().contains("· level 8 ·"), "{}", screen.title());
-    // Between the ends of diagonals.
+    // This row lies between the ends of the diagonals.
     let coarse = lines(&screen.picture(), 317);
     screen.keys(&["Up"; 8]);
     assert!(screen.title().contains("· level 16 ·"), "{}", screen.title());
@@ -292,7 +292,7 @@ fn a_trim_is_pulled_in_the_panel() {
     let mut screen = Screen::start(&[path.to_str().unwrap()]);
     screen.keys(&["c"]);
     let before = screen.picture();
-    // The points of the inset; the leftmost is the circle's centre.
+    // The points of the inset; the leftmost one is the circle's centre.
     let points =
         before.enumerate_pixels().filter(|(x, _, pixel)| *x > 700 && pixel.0 == [0, 128, 255, 255]);
     let (x, y, _) = points.min_by_key(|(x, y, _)| (*x, *y)).expect("the inset has points");
@@ -325,7 +325,7 @@ fn the_window_shows_what_render_draws() {
         "meshes/figure.obj",
     ];
     for name in scenes {
-        // In a folder of its own, as pictures and copies are written there.
+        // The scene is in a folder of its own, because pictures and copies are written there.
         let from = resource(name);
         let file = from.rsplit('/').next().unwrap();
         let at = Folder::new();
@@ -334,7 +334,7 @@ fn the_window_shows_what_render_draws() {
         let textures = format!("{}/", resource("textures"));
         std::fs::write(&copy, there.replace("../../textures/", &textures)).unwrap();
         let mut screen = Screen::start(&[copy.to_str().unwrap()]);
-        // The last three take the message away and change nothing.
+        // The last three keys remove the message and change nothing.
         screen.keys(&["h", "h", "Right", "Prior", "ctrl+s", "h", "h", "h"]);
         let stem = file.split('.').next().unwrap();
         let saved = at.path(&format!("{stem}-edited-001.toml"));
@@ -353,7 +353,7 @@ fn the_window_shows_what_render_draws() {
 fn at_rest_nothing_is_drawn() {
     let mut screen = Screen::start(&[]);
     screen.mouse_draws(&["mousemove", "300", "560"]);
-    // Beside other windows on few processors the mouse's last frame may come late.
+    // If other windows share a few processors, the last frame of the mouse may come late.
     std::thread::sleep(Duration::from_secs(2));
     screen.rest();
     let (frames, cpu) = (screen.frames(), screen.cpu());
@@ -396,7 +396,7 @@ fn every_file_that_a_scene_names_is_watched() {
     let folder = Folder::new();
     let save = |color: [u8; 4]| {
         let picture = image::RgbaImage::from_pixel(4, 4, image::Rgba(color));
-        // As editors do it: another file takes its place.
+        // Editors replace the file by another one.
         picture.save(folder.path("new.png")).unwrap();
         std::fs::rename(folder.path("new.png"), folder.path("picture.png")).unwrap();
     };
@@ -444,14 +444,14 @@ fn the_mouse_pans_and_its_wheel_zooms_to_the_cursor() {
     screen.keys(&["h", "h"]);
     let start = screen.picture();
     let white = |picture: &Image| {
-        // Not the gold around the corner that the cursor is over.
+        // Leaves out the gold highlight of the corner under the cursor.
         let lit = picture.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[2] > 128);
         lit.fold([u32::MAX, u32::MAX, 0, 0], |[a, b, c, d], (x, y, _)| {
             [a.min(x), b.min(y), c.max(x), d.max(y)]
         })
     };
     let [left, top, right, bottom] = white(&start);
-    // Both ways to pan take the square along.
+    // Both ways of panning move the square.
     let shift =
         (&["keydown", "shift", "mousedown", "1"][..], &["mouseup", "1", "keyup", "shift"][..]);
     for (down, up) in [shift, (&["mousedown", "2"], &["mouseup", "2"])] {
@@ -562,7 +562,7 @@ fn ten_thousand_random_events_do_no_harm() {
         };
         script.push_str(&line);
         script.push('\n');
-        // What writes files or opens others, now and then.
+        // Actions that write files or open other files, once in a while.
         if number % 1_000 == 999 {
             script.push_str("key --delay 0 F12\nkey --delay 0 ctrl+s\nkey --delay 0 Tab\n");
         }

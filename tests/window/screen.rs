@@ -1,4 +1,4 @@
-//! The program in a display of its own, and the keys and pictures of that.
+//! Runs the program on a display of its own, sends it keys, and reads its pictures.
 
 use std::io::{BufRead, BufReader, Read as _};
 use std::path::{Path, PathBuf};
@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use freeform_surface::Image;
 use tempfile::TempDir;
 
-/// No frame for so long means that all is drawn.
+/// If no frame is drawn for this time, drawing is complete.
 const STILL: Duration = Duration::from_millis(250);
-/// The longest that anything may take, on a slow machine too.
+/// The time limit of every step, also on a slow machine.
 const LONG: Duration = Duration::from_secs(60);
 
 /// The program's window on a screen that no other program has.
@@ -20,7 +20,7 @@ pub(crate) struct Screen {
     server: Child,
     program: Child,
     display: String,
-    /// Where the server keeps its pixels.
+    /// The folder in which the server keeps its pixels.
     folder: TempDir,
     window: String,
     frames: Arc<AtomicU64>,
@@ -92,7 +92,7 @@ impl Screen {
         let found = screen.xdotool(&["search", "--onlyvisible", "--name", "triangles"]);
         screen.window = found.trim().to_owned();
         let window = screen.window.clone();
-        // Without a window manager nobody gives it the keys.
+        // Without a window manager, the window must be given the keyboard focus.
         screen.xdotool(&["mousemove", "500", "590", "windowfocus", &window]);
         screen.rest();
         screen
@@ -109,7 +109,7 @@ impl Screen {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// Everything that the program said but for its frames.
+    /// The program's output, except for its lines about frames.
     pub(crate) fn log(&self) -> String {
         self.log.lock().unwrap().clone()
     }
@@ -120,7 +120,7 @@ impl Screen {
         assert_eq!(self.log(), "", "errors and warnings");
     }
 
-    /// Waits until nothing is drawn any more, but not longer than that; false if it still draws.
+    /// Waits until nothing is drawn any more, but not longer than `limit`; returns false if it still draws.
     pub(crate) fn rests_within(&self, limit: Duration) -> bool {
         let start = Instant::now();
         let mut last = (self.frames(), Instant::now());
@@ -165,7 +165,7 @@ impl Screen {
         self.rest();
     }
 
-    /// Moves or presses the mouse so that something is drawn anew.
+    /// Moves or presses the mouse, and waits for the new frame that this causes.
     pub(crate) fn mouse_draws(&mut self, arguments: &[&str]) {
         let before = self.frames();
         self.xdotool(arguments);
@@ -173,7 +173,8 @@ impl Screen {
         self.rest();
     }
 
-    /// Does many things without waiting between them: lines as `xdotool` reads them from a file.
+    /// Performs many actions without waiting between them; `script` has lines as `xdotool` reads them from a
+    /// file.
     pub(crate) fn rush(&mut self, script: &str) {
         let path = self.folder.path().join("script");
         std::fs::write(&path, script).unwrap();
@@ -189,7 +190,7 @@ impl Screen {
         self.rest();
     }
 
-    /// Takes the window from the screen, as minimising does, and brings it back.
+    /// Removes the window from the screen, as minimising does, and restores it.
     pub(crate) fn hide_and_show(&mut self) {
         let window = self.window.clone();
         self.xdotool(&["windowunmap", "--sync", &window]);
@@ -211,26 +212,26 @@ impl Screen {
         self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
     }
 
-    /// How many frames the program drew.
+    /// The number of frames that the program has drawn.
     pub(crate) fn frames(&self) -> u64 {
         self.frames.load(Ordering::SeqCst)
     }
 
-    /// The time that the program's threads computed.
+    /// The CPU time of the program's threads.
     pub(crate) fn cpu(&self) -> Duration {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.program.id())).unwrap();
-        // The name may hold spaces; the times are the 14th and 15th field.
+        // The name may contain spaces; the times are the 14th and 15th fields.
         let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
         let ticks: u64 = fields[11].parse::<u64>().unwrap() + fields[12].parse::<u64>().unwrap();
         Duration::from_millis(10 * ticks)
     }
 
-    /// What is on the screen.
+    /// The picture on the screen.
     pub(crate) fn picture(&self) -> Image {
         let path: PathBuf = self.folder.path().join("Xvfb_screen0");
         let mut bytes = Vec::new();
         std::fs::File::open(path).unwrap().read_to_end(&mut bytes).unwrap();
-        // An X window dump: big-endian words, of which some tell where the pixels begin.
+        // An X window dump: big-endian words, some of which give the offset of the pixels.
         let word = |i: usize| u32::from_be_bytes(bytes[4 * i..4 * i + 4].try_into().unwrap());
         let (width, height, row) = (word(4), word(5), word(12) as usize);
         assert_eq!((width, height, word(11)), (self.size.0, self.size.1, 32));
@@ -241,7 +242,7 @@ impl Screen {
         })
     }
 
-    /// Ends the program by a key; it must end well.
+    /// Ends the program with a key; it must exit successfully.
     pub(crate) fn quit(mut self, key: &str) {
         self.xdotool(&["key", key]);
         let start = Instant::now();
@@ -259,7 +260,7 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // Either may have ended already.
+        // Either process may have ended already.
         let _ = self.program.kill();
         let _ = self.program.wait();
         let _ = self.server.kill();

@@ -1,20 +1,22 @@
-//! The loops of a surface for many questions: the oracle's test, asked only of the curves near a row.
+//! The loops of a surface, prepared for many queries: the oracle's test, evaluated only for the curves near a
+//! row.
 
 use glam::DVec2;
 
 use crate::trim::{FillRule, Keep, Segment, TrimLoop, Trims, ray_crossings};
 
-/// The most rows, and the most entries of all rows together if every curve is in each.
+/// The maximum number of rows, and the maximum number of entries of all rows together if every curve is in each
+/// row.
 const MAX_ROWS: usize = 512;
 const MAX_ENTRIES: usize = 8_000_000;
 
 /// The loops of a surface, their curves sorted into rows of the domain.
 #[derive(Debug)]
 pub(super) struct TrimRows<'a> {
-    /// For each row the curves that may cross it, each with the index of its rule, in ascending order.
-    /// The first and the last row reach to infinity.
+    /// For each row, the curves that may cross it, each with the index of its fill rule, in ascending order.
+    /// The first and the last row extend to infinity.
     rows: Vec<Vec<(usize, &'a Segment)>>,
-    /// The rules of the loops and of each path.
+    /// The fill rules of the loops and of each path.
     rules: Vec<FillRule>,
     keep: Keep,
     /// Whether the loops cut anything.
@@ -53,7 +55,7 @@ impl<'a> TrimRows<'a> {
     }
 }
 
-/// The row of `v`; it never falls as `v` grows, so that a curve is in the rows of all its points.
+/// The row of `v`. It never decreases as `v` grows, so that a curve is in the rows of all its points.
 fn row_of(v: f64, rows: usize) -> usize {
     ((v * rows as f64) as usize).min(rows - 1)
 }
@@ -74,7 +76,7 @@ mod tests {
                 let rows = TrimRows::new(&trims);
                 let mut cut = 0;
                 for i in 0..10_000 {
-                    // The rows of the curves' ends, and beyond the domain.
+                    // This includes the rows of the curves' ends, and places beyond the domain.
                     let uv = DVec2::new(f64::from(i % 100), f64::from(i / 100)) / 90.0 - 0.05;
                     let expected = trims.cut(uv);
                     assert_eq!(trims.shapes_cut(uv) || rows.cut(uv), expected, "{uv}");

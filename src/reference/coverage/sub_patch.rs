@@ -1,33 +1,33 @@
-//! Sub-patches of patches in clip space, and how many triangles each needs.
+//! Sub-patches of patches in clip space, and the number of triangles that each needs.
 
 use glam::{DMat4, DVec2, DVec4, UVec2};
 
 use super::{Corner, TOLERANCE_PX};
 use crate::bezier::{Patch, homogeneous};
 
-/// The most cells along a side of a sub-patch; a sub-patch that needs more is cut into four.
+/// The maximum number of cells along a side of a sub-patch; a sub-patch that needs more is cut into four.
 const MAX_CELLS: usize = 16;
-/// How often a sub-patch is cut into four.
+/// The maximum number of times that a sub-patch is cut into four.
 const MAX_CUTS: u32 = 9;
-/// The most control points along a side of a patch.
+/// The maximum number of control points along a side of a patch.
 const MAX_SIDE: usize = 5;
 
-/// A square part of a patch, in clip space.
+/// A square region of a patch, in clip space.
 #[derive(Clone, Copy)]
 pub(super) struct SubPatch {
     /// Homogeneous control points, row by row.
     points: [DVec4; MAX_SIDE * MAX_SIDE],
     side: usize,
-    /// The least w of what is in front of the near plane.
+    /// The minimum w of points in front of the near plane.
     near_w: f64,
-    /// The corner of least (u, v), and the length of the sides.
+    /// The corner with the minimum (u, v), and the length of the sides.
     corner: DVec2,
     length: f64,
     cuts: u32,
 }
 
 impl SubPatch {
-    /// `near_w` is that of points whose weight is 1.
+    /// `near_w` is the one for points whose weight is 1.
     pub(super) fn whole(patch: &Patch<'_>, to_clip: &DMat4, near_w: f64) -> Self {
         let mut points = [DVec4::ZERO; MAX_SIDE * MAX_SIDE];
         for (to, from) in points.iter_mut().zip(patch.points()) {
@@ -48,8 +48,8 @@ impl SubPatch {
         &self.points[..self.side * self.side]
     }
 
-    /// Cuts it into sub-patches that need few enough cells in a picture of `size` pixels, and gives those
-    /// that may be seen to `draw`, with their number of cells along a side.
+    /// Cuts it into sub-patches that need few enough cells in a picture of `size` pixels. Passes those that may
+    /// be visible to `draw`, with their number of cells along a side.
     pub(super) fn cut_up(&self, size: UVec2, draw: &mut dyn FnMut(&Self, usize)) {
         if self.is_out_of_sight() {
             return;
@@ -90,7 +90,7 @@ impl SubPatch {
         point.z / point.w
     }
 
-    /// Whether all control points, and so the sub-patch, lie beyond one side of the view's frustum.
+    /// Whether all control points, and therefore the sub-patch, lie beyond one plane of the view frustum.
     fn is_out_of_sight(&self) -> bool {
         let all = |beyond: fn(&DVec4) -> bool| self.points().iter().all(beyond);
         all(|p| p.x > p.w)
@@ -101,11 +101,12 @@ impl SubPatch {
             || all(|p| p.z < -p.w)
     }
 
-    /// Cells along a side, at least 1, that keep triangles within the tolerance where the picture shows them.
+    /// The number of cells along a side, at least 1, that keeps triangles within the tolerance where the
+    /// picture shows them.
     ///
-    /// With H the sub-patch, L the triangles and e = H − L, both at the same (u, v), the distance on the
-    /// screen is that of (e.xy − L.xy / L.w · e.w) / H.w; L.xy / L.w lies in the picture. With n
-    /// cells |e| ≤ (|Huu| + 2|Huv| + |Hvv|) / 8n², and control points bound the derivatives.
+    /// Let H be the sub-patch, L the triangles and e = H − L, both at the same (u, v). The distance on the
+    /// screen is that of (e.xy − L.xy / L.w · e.w) / H.w, where L.xy / L.w lies in the picture. With n cells,
+    /// |e| ≤ (|Huu| + 2|Huv| + |Hvv|) / 8n², and the control points bound the derivatives.
     fn cells(&self, size: UVec2) -> f64 {
         let (side, points) = (self.side, self.points());
         let mut low = DVec2::INFINITY;
@@ -163,7 +164,7 @@ impl SubPatch {
     }
 }
 
-/// Puts the first (0) or second (1) half of a curve in its place; its points are `step` apart.
+/// Replaces a curve by its first (0) or second (1) half; its points are `step` apart.
 fn halve(points: &mut [DVec4], count: usize, step: usize, half: usize) {
     for round in 1..count {
         if half == 0 {

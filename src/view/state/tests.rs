@@ -1,4 +1,4 @@
-//! What actions and the mouse make of a scene, without a window.
+//! The effects of actions and the mouse on a scene, without a window.
 
 use freeform_surface::inspect::measure::Random;
 use freeform_surface::{Keep, Shading};
@@ -51,7 +51,7 @@ fn levels_go_from_1_to_50_and_t_brings_the_tolerance_back() {
     );
     press(&mut state, &[Action::SmallerTolerance; 30]);
     assert_eq!(state.finenesses().1.pixels(), 0.01);
-    // A scene's own level may be higher.
+    // A scene's own level may be higher than the keys' maximum.
     let mut scene = Scene::listing16();
     scene.settings.tessellation = Tessellation::Level(TessLevel::MAX);
     let mut state = State::new(scene, None);
@@ -67,7 +67,7 @@ fn every_action_of_the_table_does_something() {
         for (chord, action) in binding.keys_and_actions() {
             let on_mesh = matches!(action, Action::Phong | Action::Pn);
             let mut state = State::new(if on_mesh { mesh() } else { Scene::listing16() }, None);
-            // Something to take back, and a camera to bring back.
+            // An edit to undo, and a camera to reset.
             press(&mut state, &[Action::Turn(1, 1), Action::Trim(TrimKind::Rect)]);
             if *action == Action::Redo {
                 press(&mut state, &[Action::Undo]);
@@ -172,7 +172,7 @@ fn trims_with_numbers_that_are_none_and_edits_of_nothing_change_nothing() {
     assert!(state.edit(Vec::new()).is_ok());
     assert_eq!(state.scene.surfaces[0].trims, start);
     assert_eq!(state.take_changes(), Changes::default());
-    // What was taken back can still be done again.
+    // The undone edit can still be redone.
     press(&mut state, &[Action::Redo]);
     assert_ne!(state.scene.surfaces[0].trims, start);
 }
@@ -213,7 +213,7 @@ fn the_mouse_turns_moves_and_zooms() {
     state.turn_wheel(2.0);
     let near = state.camera();
     assert!(near.eye().distance(near.target()) < start.eye().distance(start.target()));
-    // What was there comes back, for any size of the picture.
+    // The first camera is restored, for any size of the picture.
     state.apply(Action::ResetCamera);
     assert_eq!(state.camera(), start);
     state.resize(300, 600);
@@ -289,7 +289,7 @@ fn a_file_that_changes_keeps_the_camera() {
     assert_eq!(state.scene.surfaces[0].shading, Shading::Normals);
 }
 
-/// Any event, as hands and window systems send them.
+/// A random event, as users and window systems send them.
 pub(crate) fn random_event(state: &mut State, random: &mut Random) {
     let actions: Vec<Action> =
         BINDINGS.iter().flat_map(Binding::keys_and_actions).map(|(_, action)| *action).collect();
