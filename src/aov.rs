@@ -1,23 +1,22 @@
-//! AOVs (arbitrary output variables): for each pixel values instead of a colour.
+//! AOVs (arbitrary output variables): pictures whose pixels hold values instead of a colour.
 
 use std::str::FromStr;
 
 use crate::error::{Error, Result};
 
-/// The AOVs of a picture: one value at the centre of each pixel, rows from the
-/// top. The fourth value is alpha: 1 where a surface is drawn, and 0 like the other three
-/// elsewhere.
+/// The AOVs of a picture. Each AOV has four values for each pixel, taken at the pixel's centre. Rows run from top to
+/// bottom. The fourth value is alpha: 1 where a surface is drawn. Elsewhere all four values are 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aovs {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// u, v and the patch's number; it counts through all surfaces of the scene, from 0.
+    /// u, v and the number of the patch. Patches are numbered from 0 through all surfaces of the scene.
     pub uv: Vec<[f32; 4]>,
     /// The position in world space.
     pub position: Vec<[f32; 4]>,
     /// The unit normal Su × Sv in world space.
     pub normal: Vec<[f32; 4]>,
-    /// The distance from the eye along the view axis in world units, three times.
+    /// The distance from the eye along the view axis in world units, in each of the first three values.
     pub depth: Vec<[f32; 4]>,
 }
 

@@ -22,7 +22,7 @@ pub(crate) use split::{split, split_slice};
 
 use crate::error::{Error, Result};
 
-/// The most control points along one side of a patch.
+/// The maximum number of control points along one side of a patch.
 const MAX_SIDE: usize = 5;
 
 /// Degree of a patch in both directions; it fixes the number of control points.
@@ -50,7 +50,7 @@ impl Degree {
         self.side() * self.side()
     }
 
-    /// Whether a control point of a patch is one of its border's.
+    /// Whether a control point of a patch belongs to its border.
     pub(crate) const fn is_on_border(self, index: usize) -> bool {
         let last = self.side() - 1;
         let (row, column) = (index / self.side(), index % self.side());
@@ -70,7 +70,7 @@ impl Degree {
     }
 }
 
-/// The largest coordinate: shaders square differences of coordinates in `f32`.
+/// The largest coordinate that is allowed, because shaders square differences of coordinates in `f32`.
 pub(crate) const MAX_COORDINATE: f64 = 1e15;
 /// Weights lie within this factor of 1, for the same reason.
 const MAX_WEIGHT: f64 = 1e9;
@@ -117,13 +117,13 @@ pub fn bernstein(degree: usize, i: usize, t: f64) -> f64 {
     binomial * t.powi(i as i32) * (1.0 - t).powi((degree - i) as i32)
 }
 
-/// Where de Casteljau's algorithm ends on a curve, and the last two points it blends: their
-/// difference, projected, is the direction of the tangent.
+/// The result of de Casteljau's algorithm: the point of the curve, and the last two points that it blends. The
+/// difference of these two points, after projection, is the direction of the tangent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DeCasteljau {
     /// The point of the curve.
     pub point: DVec4,
-    /// The two points of the last step but one.
+    /// The two points before the last blend.
     pub last: [DVec4; 2],
 }
 
@@ -185,7 +185,7 @@ impl<'a> Patch<'a> {
         self.points
     }
 
-    /// Homogeneous control points of row `v_index`, first `side()` entries.
+    /// Homogeneous control points of a row, in the first `side()` entries.
     pub(crate) fn homogeneous_row(&self, row: usize) -> [DVec4; MAX_SIDE] {
         let side = self.degree.side();
         let mut points = [DVec4::ZERO; MAX_SIDE];
@@ -224,7 +224,7 @@ impl<'a> Patch<'a> {
         sum
     }
 
-    /// Value and first derivatives at (u, v), rational patches by the quotient rule.
+    /// Value and first derivatives at (u, v); for rational patches by the quotient rule.
     #[must_use]
     pub fn at(&self, u: f64, v: f64) -> SurfacePoint {
         let [value, du, dv] = self.homogeneous_at(u, v);
@@ -236,8 +236,8 @@ impl<'a> Patch<'a> {
         }
     }
 
-    /// Unit normal Su × Sv, or `None` where the tangents are parallel or one vanishes (relative to the
-    /// longer one, so that the size of the model does not matter, nor what rounding leaves of zero).
+    /// Unit normal Su × Sv, or `None` where the tangents are parallel or one of them vanishes. The test is relative
+    /// to the longer tangent, so that neither the size of the model nor rounding errors matter.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<DVec3> {
         const PARALLEL: f64 = 1e-12;

@@ -1,5 +1,5 @@
-//! Where a scene is seen from. Right-handed, looking along −z of view space, y up on the screen;
-//! clip space as OpenGL has it (depth −1 … 1).
+//! The camera of a scene. View space is right-handed: the camera looks along −z, and y points up on the screen. Clip
+//! space is that of OpenGL (depth −1 … 1).
 
 use glam::dcamera::rh::proj::opengl;
 use glam::dcamera::rh::view::look_at_mat4;
@@ -8,15 +8,16 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 use crate::bezier::{MAX_COORDINATE, bounding_box, check_coordinates};
 use crate::error::{Error, Result};
 
-/// How far a framed scene stays away from the picture's border: 1 would touch it.
+/// The margin between a framed scene and the border of the picture, as a factor: with 1, the scene touches the
+/// border.
 const FRAME_MARGIN: f64 = 1.06;
-/// The nearest clip plane of a scene that the eye is inside of, as a part of the farthest: nearer costs
-/// triangles, farther cuts what is near.
+/// The maximum distance of the near clip plane, as a fraction of the distance of the far plane, if the eye is inside
+/// the scene. A nearer plane costs triangles; a farther plane cuts off near objects.
 const NEAR_WITHIN: f64 = 1e-4;
-/// The nearest clip plane at all, as a part of the farthest.
+/// The minimum distance of the near clip plane, as a fraction of the distance of the far plane.
 const NEAR_AT_LEAST: f64 = 1e-9;
-/// From which distance of the clip planes on, as the farther over the nearer, depth is written as the distance
-/// itself: the usual depth has too few digits for it.
+/// If the far clip plane is more than this many times as far away as the near one, depth is written as the distance
+/// itself, because the usual depth is not precise enough.
 const FAR_OVER_NEAR: f64 = 30.0;
 
 /// The projection of a camera.
@@ -34,7 +35,7 @@ pub enum Lens {
     },
 }
 
-/// An eye, what it looks at, and its lens.
+/// An eye, its target, its vertical direction, and its lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -53,8 +54,8 @@ pub struct ViewProjection {
 }
 
 impl ViewProjection {
-    /// The factor that turns the distance along the view axis into a depth from 0 to 1, if the clip planes of
-    /// a perspective are far enough apart to need it; otherwise depth is OpenGL's.
+    /// The factor that turns the distance along the view axis into a depth from 0 to 1. Only perspectives whose clip
+    /// planes are far apart need it; for all others it is `None`, and depth is the usual one of OpenGL.
     pub(crate) fn depth_scale(&self) -> Option<f64> {
         let (z, w) = (self.projection.row(2), self.projection.row(3));
         if (w.z, w.w) != (-1.0, 0.0) {
@@ -76,8 +77,8 @@ impl ViewProjection {
         if reach.is_finite() && reach > 0.0 { reach } else { 1.0 }
     }
 
-    /// The projection as the driver gets it: where depth is written by the distance, its far plane is at
-    /// infinity, which rounding to `f32` cannot move before anything.
+    /// The projection that the driver gets. If depth is written as the distance, its far plane is at infinity, so
+    /// that rounding to `f32` cannot move the plane in front of an object.
     pub(crate) fn for_driver(&self) -> DMat4 {
         let mut projection = self.projection;
         if self.depth_scale().is_some() {
@@ -216,13 +217,13 @@ impl Camera {
         self.lens
     }
 
-    /// The matrices for a picture of `aspect` (width over height), with clip planes that hold all
-    /// `points` in front of the eye.
+    /// The matrices for a picture of `aspect` (width over height), with clip planes that enclose all `points` in
+    /// front of the eye.
     #[must_use]
     pub fn projection(&self, points: impl Iterator<Item = DVec3>, aspect: f64) -> ViewProjection {
         let view = look_at_mat4(self.eye, self.target, self.up);
         let (mut nearest, mut farthest) = (f64::INFINITY, f64::NEG_INFINITY);
-        // The nearest point that may be in the picture or beside it.
+        // The depth of the nearest point that may lie in the picture or close beside it.
         let mut nearest_seen = f64::INFINITY;
         let slopes = match self.lens {
             Lens::Perspective { fov_y_radians } => {
@@ -242,7 +243,7 @@ impl Camera {
         if !(nearest.is_finite() && farthest.is_finite()) {
             (nearest, farthest) = (0.1, 10.0);
         }
-        // A flat scene still needs some depth between its planes.
+        // Even a flat scene needs some distance between its clip planes.
         let min = match self.lens {
             Lens::Perspective { .. } => farthest.abs().max(f64::from(f32::MIN_POSITIVE)),
             Lens::Orthographic { height } => farthest.abs().max(height),

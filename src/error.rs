@@ -1,8 +1,8 @@
-//! The one error type of the crate.
+//! The crate's error type.
 
 use std::path::PathBuf;
 
-/// Everything that can go wrong, each case in one line that says what, where and what was expected.
+/// The crate's errors. Each message is one line that names the fault, its place and the expected value.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -39,12 +39,12 @@ pub enum Error {
         source: Cause,
     },
 
-    /// Something that this build of the crate leaves out.
+    /// A capability that this build of the crate does not include.
     #[error("{what} is not built in; build with --features {feature}")]
     NotBuilt {
-        /// What is missing.
+        /// The missing capability.
         what: &'static str,
-        /// The feature of the crate that brings it.
+        /// The crate feature that enables it.
         feature: &'static str,
     },
 
@@ -71,14 +71,14 @@ pub enum Error {
     },
 }
 
-/// Why something failed: an error of another crate, or a text.
+/// The cause of an error: an error of another crate, or a text.
 pub type Cause = Box<dyn std::error::Error + Send + Sync>;
 
 /// Result with the crate's [`enum@Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// An [`Error::Invalid`] from anything that prints.
+    /// Creates an [`Error::Invalid`]; the value can be of any type that implements `Display`.
     pub fn invalid(
         name: impl Into<String>,
         value: impl std::fmt::Display,
@@ -87,12 +87,12 @@ impl Error {
         Self::Invalid { name: name.into(), value: value.to_string(), expected: expected.into() }
     }
 
-    /// An [`Error::File`] from the error of a crate, or from a text.
+    /// Creates an [`Error::File`] from an error of another crate or from a text.
     pub fn file(action: &'static str, path: impl Into<PathBuf>, source: impl Into<Cause>) -> Self {
         Self::File { action, path: path.into(), source: source.into() }
     }
 
-    /// The same fault, with the place where it was found before the name of the argument.
+    /// The same error with the argument's name prefixed by the place where the error was found.
     #[must_use]
     pub fn within(self, place: impl std::fmt::Display) -> Self {
         match self {

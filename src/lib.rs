@@ -1,6 +1,7 @@
 //! Trimmed Bézier surfaces, drawn from their control points with OpenGL 4.5 tessellation.
 //!
-//! A [`Scene`] says what is drawn; an [`Offscreen`] makes a picture of it without a display (feature `headless`):
+//! A [`Scene`] describes the objects to draw; an [`Offscreen`] renders it to an image without a display (feature
+//! `headless`):
 //!
 #![cfg_attr(feature = "headless", doc = "```no_run")]
 #![cfg_attr(not(feature = "headless"), doc = "```ignore")]
@@ -25,31 +26,32 @@
 //! | make a scene in code | [`Surface::new`] or [`MeshModel::new`], put into a [`Scene`] |
 //! | cut holes | [`Surface::trims`]: [`Circle`], [`Rect`], [`Ellipse`], [`TrimLoop`], [`TrimPath`] (SVG) |
 //! | draw in an OpenGL context of your own | [`Gl::new`], [`Renderer::new`], then [`PreparedScene::draw`] with a [`Frame`] |
-//! | draw one surface under the thesis' calls | [`FreeFormSurface::render`] |
-//! | see from elsewhere | [`Camera::projection`] or [`Camera::framing`], into [`Frame::new`] |
+//! | draw one surface through the thesis' interface | [`FreeFormSurface::render`] |
+//! | change the viewpoint | [`Camera::projection`] or [`Camera::framing`], into [`Frame::new`] |
 //! | change points and trims between frames | [`PreparedScene::surfaces_mut`], [`PreparedSurface`] |
-//! | get positions, normals and depth of pixels | [`PreparedScene::aovs`] |
+//! | read positions, normals and depth per pixel | [`PreparedScene::aovs`] |
 //! | choose accuracy, normals, samples, background | [`RenderSettings`] |
 //!
 //! # Two methods
 //!
-//! [`Method::Exact`], the default, keeps every pixel within a tolerance of the surface, decides trims right at
-//! every sample, and takes any trims. [`Method::Thesis`] is the port of a thesis' `FreeFormSurface` class (Schank,
-//! *Rendering von Freiformflächen*, Koblenz 2018) and of a report's renderer of 5×5 points, with their limits.
+//! [`Method::Exact`], the default, keeps every pixel within a tolerance of the surface. It evaluates trims exactly
+//! at every sample and accepts any trims. [`Method::Thesis`] is the port of a thesis' `FreeFormSurface` class
+//! (Schank, *Rendering von Freiformflächen*, Koblenz 2018) and of a report's renderer for patches of 5×5 control
+//! points, including their limits.
 //!
 //! # Conventions
 //!
-//! | what | how |
+//! | subject | convention |
 //! |---|---|
 //! | space | right-handed; view space looks along −z; clip space is OpenGL's |
 //! | matrices | column vectors, glam's layout; `f64` on the CPU, `f32` in shaders |
-//! | control points | row by row, u along a row, v from row to row; (x, y, z, weight) |
-//! | domain | (u, v) in \[0, 1\]² for each patch; trims are given in it |
-//! | meshes | triangles counter-clockwise from outside; half-edge 3·t + k of triangle t begins at its corner k |
-//! | pictures on surfaces | the first row of pixels is v = 1; 8-bit values are taken as they are, no sRGB |
-//! | rendered pictures | the first row is the upper one; alpha is 1 where a surface is |
+//! | control points | stored row by row, u along a row, v from row to row; (x, y, z, weight) |
+//! | domain | (u, v) in \[0, 1\]² for each patch; trims use these coordinates |
+//! | meshes | triangles counter-clockwise from outside; half-edge 3·t + k of triangle t starts at its corner k |
+//! | textures | the first row of pixels is at v = 1; 8-bit values are used unchanged, without sRGB conversion |
+//! | rendered images | the first row is the top row; alpha is 1 where a surface is visible |
 //! | angles | radians, unless the name says degrees |
-//! | counts | indices and segment numbers in errors begin at 0, lines of files at 1 |
+//! | counts | indices and segment numbers in errors start at 0, line numbers of files at 1 |
 //!
 //! ```text
 //!  v
@@ -62,15 +64,15 @@
 //!
 //! # Features
 //!
-//! | feature | brings |
+//! | feature | adds |
 //! |---|---|
-//! | `cli` (default) | the program `freeform`, and the features `headless`, `inspect` and `svg` |
+//! | `cli` (default) | the program `freeform` and the features `headless`, `inspect` and `svg` |
 //! | `headless` | contexts without a display: [`Offscreen`], [`Headless`] |
 //! | `svg` | SVG documents as trims |
 //! | `viewer` | the window of `freeform view` |
-//! | `inspect` | the module [`inspect`]: what tests and the report look at |
+//! | `inspect` | the module [`inspect`]: internals for the tests and the report |
 //!
-//! With `default-features = false` the library brings neither clap nor glutin nor usvg.
+//! With `default-features = false` the library depends on neither clap nor glutin nor usvg.
 
 #![cfg_attr(
     not(feature = "inspect"),
@@ -104,10 +106,10 @@ mod tessellation;
 mod thesis;
 mod trim;
 
-// The crates that this crate's own types are made of, in the versions that fit.
+// Crates whose types appear in this crate's public API, in matching versions.
 pub use {glam, glow, image};
 
-// Scenes: what is drawn, and how.
+// Scenes: the objects to draw, and how to draw them.
 pub use bezier::{Degree, Patch, SurfacePoint};
 pub use camera::{Camera, Lens, ViewProjection};
 pub use mesh::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};

@@ -1,9 +1,8 @@
 //! Triangle meshes, and smooth surfaces over them: curved PN triangles and Phong tessellation.
 //!
-//! A [`Mesh`] is plain data in `f64`. [`HalfedgeMesh`] adds the neighbours, and cuts every triangle into nine
-//! whose new points lie on [`PnTriangle`]s or
-//! [`PhongTriangle`]s. Positions alone say what is connected; normals and texture coordinates may
-//! differ from corner to corner, which makes creases and seams.
+//! A [`Mesh`] is plain data in `f64`. [`HalfedgeMesh`] adds the connectivity, and subdivides every triangle into
+//! nine. The new points lie on [`PnTriangle`]s or [`PhongTriangle`]s. Only positions decide which triangles are
+//! connected. Normals and texture coordinates may differ from corner to corner, which makes creases and seams.
 
 mod half_edge;
 mod normals;
@@ -27,7 +26,7 @@ pub(crate) use weld::weld;
 /// How a mesh becomes a smooth surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Smoothing {
-    /// None: flat triangles, shaded by interpolated normals.
+    /// No smoothing: flat triangles, shaded by interpolated normals.
     #[default]
     None,
     /// Curved PN triangles (Vlachos, Peters, Boyd, Mitchell 2001).
@@ -56,7 +55,7 @@ impl Alpha {
         }
     }
 
-    /// The number.
+    /// The factor.
     #[must_use]
     pub const fn get(self) -> f64 {
         self.0
@@ -70,8 +69,8 @@ impl Default for Alpha {
     }
 }
 
-/// The angle between the normals of two triangles, in degrees from 0 to 180, beyond which their common edge is
-/// a crease and computed normals differ on its sides.
+/// The crease angle in degrees, from 0 to 180. If the angle between the normals of two triangles is larger, their
+/// common edge is a crease, and computed normals differ on its two sides.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct CreaseAngle(f64);
 
@@ -132,18 +131,16 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// The most triangles of a mesh; their indices and half-edges take 3 GiB.
+    /// The maximum number of triangles of a mesh; their indices and half-edges take 3 GiB.
     pub const MAX_TRIANGLES: usize = 50_000_000;
 
-    /// A mesh. Normals are made unit vectors. A normal of zero stays: edges are straight there.
-    /// Corners without a normal get the sum of their neighbours' face normals at that position,
-    /// weighted by angle, up to creases and borders; corners without texture coordinates get (0, 0) if others
-    /// have some.
+    /// A mesh. Normals are normalized. A zero normal stays zero; edges are straight there. A corner without a normal
+    /// gets the direction of the angle-weighted sum of the face normals around its position, up to creases and
+    /// borders. Corners without texture coordinates get (0, 0) if other corners have some.
     ///
     /// # Errors
-    /// No triangle or more than [`Mesh::MAX_TRIANGLES`], an index out of range, a triangle with
-    /// twice the same position, a number that is not finite, a position beyond 1e15. Indices in errors begin
-    /// at 0.
+    /// No triangle or more than [`Mesh::MAX_TRIANGLES`], an index out of range, a triangle that has the same position
+    /// twice, a number that is not finite, a position beyond 1e15. Indices in errors begin at 0.
     pub fn new(
         positions: Vec<DVec3>,
         normals: Vec<DVec3>,
@@ -155,14 +152,14 @@ impl Mesh {
             let expected = format!("1 to {}", Self::MAX_TRIANGLES);
             return Err(Error::invalid("number of triangles", triangles.len(), expected));
         }
-        // So that the indices after a step fit in 32 bits.
+        // The limit ensures that the indices after a smoothing step fit in 32 bits.
         let longest = positions.len().max(normals.len()).max(coordinates.len());
         if longest > 3 * Self::MAX_TRIANGLES {
             let expected = format!("at most {}", 3 * Self::MAX_TRIANGLES);
             return Err(Error::invalid("number of vertices", longest, expected));
         }
         for (index, position) in positions.iter().enumerate() {
-            // The name is made for the error alone.
+            // The name is built only if there is an error.
             check_coordinates("", *position)
                 .or_else(|_| check_coordinates(format!("position {index}"), *position))?;
         }
@@ -183,11 +180,11 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// The mesh with a colour at each position, by which its paint is multiplied: red, green and blue from 0 to
-    /// 1. No colours leave the paint as it is.
+    /// The mesh with a colour at each position: red, green and blue from 0 to 1. The paint is multiplied by this
+    /// colour. An empty list leaves the paint as it is.
     ///
     /// # Errors
-    /// Another number of colours than of positions, a number beyond 0 and 1.
+    /// A number of colours that differs from the number of positions, a value outside 0 … 1.
     pub fn with_colors(mut self, colors: Vec<[f32; 3]>) -> Result<Self> {
         if !colors.is_empty() && colors.len() != self.positions.len() {
             let expected = format!("{}, one for each position", self.positions.len());
@@ -234,7 +231,7 @@ impl Mesh {
         Ok(())
     }
 
-    /// Gives (0, 0) to corners without texture coordinates, unless all are without.
+    /// Gives (0, 0) to corners without texture coordinates, unless no corner has any.
     fn complete_coordinates(&mut self) {
         let corners = || self.triangles.iter().flatten();
         if corners().all(|corner| corner.coordinate == Corner::NONE) {

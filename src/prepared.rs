@@ -1,4 +1,4 @@
-//! A whole scene in the driver's memory.
+//! A whole scene uploaded to the driver.
 
 mod captures;
 mod multisample;
@@ -18,7 +18,7 @@ use crate::renderer::{
 use crate::scene::{Method, Paint, Scene, Surface};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats};
 
-/// A scene in the driver's memory, ready to be drawn from anywhere.
+/// A scene uploaded to the driver, ready to be drawn from any viewpoint.
 #[derive(Debug)]
 pub struct PreparedScene {
     surfaces: Vec<PreparedSurface>,
@@ -28,10 +28,10 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
-    /// Uploads the surfaces of a scene; a picture or colour that several share goes up once.
+    /// Uploads the surfaces and meshes of a scene. A texture or colour that several of them share is uploaded once.
     ///
     /// # Errors
-    /// Trims or transforms out of their range, a texture that the driver cannot hold, no memory.
+    /// Trims or transforms out of range, a texture that the driver cannot hold, or no memory.
     pub fn new(renderer: &Renderer, scene: &Scene) -> Result<Self> {
         let gl = renderer.gl();
         let mut textures: Vec<(&Paint, bool, Rc<Texture>)> = Vec::new();
@@ -84,7 +84,7 @@ impl PreparedScene {
         Ok(())
     }
 
-    /// Statistics of the last drawing.
+    /// Statistics of the last frame drawn.
     pub const fn stats(&self) -> FrameStats {
         self.stats
     }
@@ -94,11 +94,11 @@ impl PreparedScene {
         &mut self.surfaces
     }
 
-    /// Builds and uploads what a frame needs, unless that is there already. Drawing
-    /// does this automatically; call it to choose when.
+    /// Builds and uploads the data that a frame needs, unless it is up to date. Drawing does this automatically;
+    /// call this function to choose the moment.
     ///
     /// # Errors
-    /// No memory, or loops that the frame's method cannot cut.
+    /// No memory, or trim loops that the frame's method does not support.
     pub fn prepare(&mut self, renderer: &Renderer, frame: &Frame) -> Result<()> {
         match frame.settings.method {
             Method::Thesis => self
@@ -110,14 +110,14 @@ impl PreparedScene {
         self.meshes.iter_mut().try_for_each(|mesh| mesh.update(renderer, frame))
     }
 
-    /// Clears the bound framebuffer and draws the scene into it; says what was drawn.
+    /// Clears the bound framebuffer, draws the scene into it, and returns statistics.
     ///
-    /// A pixel has as many samples as the framebuffer has; [`PreparedScene::picture`] draws those that the
-    /// settings ask for.
+    /// The framebuffer determines the number of samples per pixel. [`PreparedScene::picture`] uses the number in the
+    /// settings instead.
     ///
     /// # Errors
-    /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
-    /// method cannot cut.
+    /// A shader that the driver rejects, no memory for changed trims, or trim loops that the frame's method does not
+    /// support.
     pub fn draw(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameStats> {
         renderer.clear(frame.settings.background);
         self.draw_together(renderer, frame, Output::Picture)?;
@@ -130,8 +130,9 @@ impl PreparedScene {
     }
 }
 
-/// Which patches are neighbours, and how each surface's control points are centred: each by itself, but those
-/// that share edges alike, so that what they have in common stays the same bit for bit.
+/// Finds which patches are neighbours, and how each surface's control points are centred. Each surface is centred
+/// on its own, except that surfaces with shared edges use one centring, so that the shared control points stay
+/// bit-identical.
 fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
     let mut transforms: HashMap<[u64; 16], u32> = HashMap::new();
     let sources: Vec<EdgeSource<'_>> = scene
@@ -160,7 +161,7 @@ fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
     (table, centerings)
 }
 
-/// Whether two paints can share a texture: one colour, or one picture in memory.
+/// Whether two paints can share a texture: they have the same colour, or the same image in memory.
 fn same(a: &Paint, b: &Paint) -> bool {
     match (a, b) {
         (Paint::Color(a), Paint::Color(b)) => a == b,

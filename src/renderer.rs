@@ -1,4 +1,4 @@
-//! All draw calls: a surface and a frame in, pixels in the bound framebuffer out.
+//! All draw calls: they take a surface and a frame, and write pixels to the bound framebuffer.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 mod aovs;
@@ -40,16 +40,15 @@ use crate::tessellation::{DrawSize, SubPatch};
 ///
 /// The context must be current whenever the renderer or something made with it is used or dropped.
 ///
-/// Where the clip planes of a perspective lie far apart, depth is the distance along the view axis over that of
-/// the farther plane; else it is OpenGL's. Either grows with the distance, and is cleared to 1.
+/// If the clip planes of a perspective projection lie far apart, depth is the distance along the view axis divided by
+/// the far plane's distance. Otherwise it is OpenGL's depth. Both grow with the distance and are cleared to 1.
 ///
-/// Drawing sets, and leaves set: depth test, function and mask; no blending, culling, stencil test,
-/// rasterizer discard or program point size; filled polygons; the viewport; the patch size; the textures of units
-/// 0 to 6 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and no
-/// buffer texture. Uploading a picture sets
-/// plain pixel transfers. All other state is the caller's and holds for what is drawn: framebuffer,
-/// scissor, colour mask and logic operation, depth range and clip control, polygon offset,
-/// sample masks, sRGB conversion, the width of lines.
+/// Drawing sets the following state and leaves it set: depth test, depth function and depth mask; blending, culling,
+/// stencil test, rasterizer discard and program point size off; filled polygons; the viewport; the patch size; the
+/// textures of units 0 to 6 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and
+/// no buffer texture bound. Uploading a texture resets the pixel transfer state to plain transfers. All other state
+/// belongs to the caller and affects drawing: framebuffer, scissor, colour mask and logic operation, depth range and
+/// clip control, polygon offset, sample masks, sRGB conversion, and line width.
 pub struct Renderer {
     gl: Gl,
     sources: Sources,
@@ -59,7 +58,7 @@ pub struct Renderer {
     corners_array: VertexArray,
     flat_array: VertexArray,
     bare_array: VertexArray,
-    /// What lines are painted with.
+    /// The paint of wireframe lines.
     line_paint: Texture,
     draw_size: DrawSize,
 }
@@ -71,7 +70,7 @@ impl std::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// A renderer for the current context. Programs are compiled when something first needs them.
+    /// Creates a renderer for the current context. Each program is compiled when it is first needed.
     ///
     /// # Errors
     /// A context older than OpenGL 4.5.
@@ -79,7 +78,7 @@ impl Renderer {
         Self::with_sources(gl, Sources::default())
     }
 
-    /// A renderer with shaders of one's own in the place of some files of `glsl/`.
+    /// Creates a renderer whose shaders replace some files of `glsl/`.
     ///
     /// # Errors
     /// A context older than OpenGL 4.5.
@@ -100,7 +99,7 @@ impl Renderer {
         })
     }
 
-    /// The light and the picture that a surface is drawn with: its own, or as lines the report's red.
+    /// The shading and the texture for a surface: its own, or for wireframes the report's red.
     pub(crate) fn style<'a>(
         &'a self,
         shading: Shading,
@@ -115,18 +114,18 @@ impl Renderer {
         }
     }
 
-    /// The functions of the context.
+    /// The context's OpenGL functions.
     #[must_use]
     pub const fn gl(&self) -> &Gl {
         &self.gl
     }
 
-    /// How large draws of parts the driver likes.
+    /// The draw size that suits the driver.
     pub(crate) const fn draw_size(&self) -> DrawSize {
         self.draw_size
     }
 
-    /// Fills the bound framebuffer with the background and the farthest depth.
+    /// Clears the bound framebuffer to the background colour and the farthest depth.
     pub fn clear(&self, background: [f32; 4]) {
         let [red, green, blue, alpha] = background;
         // SAFETY: the context is current (see the type).
@@ -139,10 +138,10 @@ impl Renderer {
         }
     }
 
-    /// Compiles the program of a key, unless that was done before.
+    /// Returns the program of a key; compiles it on first use.
     ///
     /// # Errors
-    /// A shader that the driver does not take.
+    /// A shader that the driver rejects.
     pub fn program(&mut self, key: ProgramKey) -> Result<Rc<Program>> {
         if let Some(program) = self.programs.get(&key) {
             return Ok(Rc::clone(program));
@@ -152,7 +151,7 @@ impl Renderer {
         Ok(program)
     }
 
-    /// The state that patches are drawn with.
+    /// Sets the OpenGL state for drawing patches.
     pub(crate) fn set_state(&self, frame: &Frame, patch_vertices: usize, wireframe: bool) {
         let gl = &self.gl;
         frame.viewport.set(gl);
@@ -172,10 +171,10 @@ impl Renderer {
         }
     }
 
-    /// Draws the control points of a surface as blue squares, on top of what is there.
+    /// Draws the control points of a surface as blue squares on top of the framebuffer's contents.
     ///
     /// # Errors
-    /// A shader that the driver does not take.
+    /// A shader that the driver rejects.
     pub(crate) fn draw_control_points(
         &mut self,
         surface: &PreparedSurface,
@@ -197,8 +196,8 @@ impl Renderer {
         self.set_state(frame, surface.degree().points(), false);
         let points = surface.uploaded_points();
         self.bind_points(surface);
-        // SAFETY: the context is current (see the type); the buffer holds the points, whose number
-        // fits an i32 since it was made.
+        // SAFETY: the context is current (see the type); the buffer holds the points, whose number was checked to fit
+        // an i32 when the buffer was made.
         unsafe {
             self.gl.disable(glow::DEPTH_TEST);
             self.gl.enable(glow::PROGRAM_POINT_SIZE);
@@ -210,12 +209,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Binds the control points of a surface as vertices.
+    /// Binds the control points of a surface as vertex input.
     pub(crate) fn bind_points(&self, surface: &PreparedSurface) {
         self.points_array.bind(surface.uploaded_points().buffer());
     }
 
-    /// Leaves no program and no vertex array bound, and polygons filled.
+    /// Unbinds the program and the vertex array, and resets the polygon mode to filled.
     pub(crate) fn release(&self) {
         self.points_array.unbind();
         self.sub_patches_array.unbind();
@@ -230,7 +229,7 @@ impl Renderer {
     }
 }
 
-/// Whether what is drawn is red lines.
+/// Whether the frame is drawn as a red wireframe.
 pub(crate) fn in_lines(settings: &RenderSettings, output: Output) -> bool {
     settings.wireframe && settings.red_lines && output == Output::Picture
 }

@@ -1,4 +1,4 @@
-//! A scene as plain data: what the parsers make and both renderers take.
+//! A scene as plain data, which the parsers create and both renderers draw.
 
 mod bpt;
 mod document;
@@ -37,23 +37,24 @@ pub use write::SceneText;
 /// A picture that is laid over the domain of a surface; its first row is v = 1.
 pub type Image = image::RgbaImage;
 
-/// Options that the caller chooses instead of the scene's file.
+/// Options of the caller that override those of the scene's file.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadOptions {
-    /// Where normals of meshes are missing: the angle beyond which an edge is a crease.
+    /// The angle beyond which an edge is a crease, for computing normals that meshes lack.
     pub crease: Option<CreaseAngle>,
-    /// The axis that stands upright when the scene is framed.
+    /// The axis that is vertical when the scene is framed.
     pub up: Option<UpAxis>,
 }
 
 /// Surfaces, how they are drawn, and the camera that sees them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    /// Every file that it was read from: its own, those of patches and of pictures.
+    /// Every file that the scene was read from: its own file, and the files of patches, meshes, SVG trims and
+    /// pictures.
     pub files: Vec<PathBuf>,
     /// The camera; without one the scene is framed from the front.
     pub camera: Option<Camera>,
-    /// The axis that stands upright when the scene is framed.
+    /// The axis that is vertical when the scene is framed.
     pub up: DVec3,
     /// How it is drawn.
     pub settings: RenderSettings,
@@ -64,7 +65,7 @@ pub struct Scene {
 }
 
 impl Default for Scene {
-    /// Nothing, framed with y upright, drawn by the exact method within half a pixel.
+    /// An empty scene, framed with y upright, drawn by the exact method within half a pixel.
     fn default() -> Self {
         Self {
             files: Vec::new(),
@@ -86,7 +87,7 @@ impl Scene {
         Self::load_with(path, &LoadOptions::default())
     }
 
-    /// Reads a `.toml`, `.bpt` or `.obj` file; the options win over what it says.
+    /// Reads a `.toml`, `.bpt` or `.obj` file; the options override the file.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -107,9 +108,9 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Parses the text of a scene whose kind is told by its beginning: a `.bpt` file begins with a number,
-    /// an `.obj` file with one of its keywords.
-    /// Files it names are found relative to the current folder; `name` stands in the errors.
+    /// Parses the text of a scene. The beginning of the text decides its format: a `.bpt` file begins with a number,
+    /// an `.obj` file with one of its keywords. Files that it names are found relative to the current folder; `name`
+    /// is the file name in error messages.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -128,8 +129,8 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Parses the text of a `.toml` scene; files it names are found relative to the folder of
-    /// `path`, which also stands in the errors.
+    /// Parses the text of a `.toml` scene; files that it names are found relative to the folder of `path`, which also
+    /// appears in error messages.
     ///
     /// # Errors
     /// Text that does not describe a scene, a file in it that cannot be read; with the line.
@@ -137,10 +138,10 @@ impl Scene {
         document::parse(text, path, &LoadOptions::default())
     }
 
-    /// Parses the text of a `.bpt` file: a framed scene with z upright. `path` stands in the errors.
+    /// Parses the text of a `.bpt` file: a framed scene with z upright. `path` appears in error messages.
     ///
     /// # Errors
-    /// Text that is no list of Bézier patches of degree 3 or 4; with the line.
+    /// Text that is not a list of Bézier patches of degree 3 or 4; with the line.
     pub fn from_bpt(text: &str, path: &Path) -> Result<Self> {
         let surfaces = bpt::parse(text, path)?;
         Ok(Self { surfaces, up: DVec3::Z, ..Self::empty(path) })
@@ -150,7 +151,7 @@ impl Scene {
     /// and bricks.
     ///
     /// # Panics
-    /// Never: what it is made of is fixed.
+    /// Never: its contents are fixed.
     #[must_use]
     pub fn listing16() -> Self {
         let mut surface = Surface::new(Degree::Cubic, default_control_points())
@@ -165,7 +166,7 @@ impl Scene {
         Self { surfaces: vec![surface], ..Self::default() }
     }
 
-    /// Surfaces and a mesh as they are, its normals interpolated: what the file says.
+    /// The surfaces and the mesh of a file, without smoothing; the mesh's normals are interpolated.
     fn of_obj(path: &Path, options: &LoadOptions) -> Result<Self> {
         let crease = options.crease.unwrap_or_default();
         Ok(Self::with_obj(obj::load(path, crease, Smoothing::None)?, path))
@@ -176,7 +177,7 @@ impl Scene {
         Self { files, surfaces, meshes, ..Self::empty(path) }
     }
 
-    /// Nothing yet of a file.
+    /// An empty scene for a file.
     fn empty(path: &Path) -> Self {
         Self {
             files: vec![path.to_owned()],
@@ -206,9 +207,9 @@ impl Scene {
         camera.fitted(self.shown_points(), aspect)
     }
 
-    /// Points in world space that tell how large the scene is.
+    /// Points in world space that show the extent of the scene.
     fn shown_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
-        // Few patches need many samples to show their shape, many patches few.
+        // If there are few patches, each needs many samples to show its shape; if there are many, each needs few.
         const SAMPLES: usize = 4_000;
         let patches: usize = self.surfaces.iter().map(|surface| surface.patches().len()).sum();
         let side = (SAMPLES / patches.max(1)).isqrt().clamp(2, 17);

@@ -1,9 +1,9 @@
-//! How patches are cut into triangles.
+//! Tessellation: how patches are divided into triangles.
 //!
-//! `bound.rs` tells how many triangles keep a patch within a tolerance on the screen, `edges.rs` which
-//! patches are neighbours, `sub-patches.rs` what the drivers and the trims ask for, `normal_cone.rs` where
-//! normals point to, and `plan.rs` puts it all together once a frame. `triangle.rs` bounds the smooth triangles of
-//! meshes.
+//! `bound.rs` computes how many triangles keep a patch within a screen-space tolerance. `edges.rs` finds neighbouring
+//! patches. `sub-patches.rs` chooses sub-patches to suit the drivers and the trims. `normal_cone.rs` bounds the
+//! directions of normals. `plan.rs` combines these once per frame. `triangle.rs` bounds the error of meshes' smooth
+//! triangles.
 
 mod bound;
 mod edges;

@@ -1,7 +1,7 @@
-//! Trims: the parts that are cut out of a surface, as plain data over its (u, v) domain.
+//! Trims: the regions that are cut out of a surface, as plain data over its (u, v) domain.
 //!
-//! Circles, rectangles and ellipses each cut what lies inside them. Loops combine by even-odd: a loop
-//! inside a loop is an island that stays. Paths are filled each by a rule of its own.
+//! Each circle, rectangle and ellipse cuts its inside. Loops are combined by the even-odd rule: a loop inside a loop
+//! is an island that stays. Each path has its own fill rule.
 
 mod exact;
 mod fill;
@@ -25,13 +25,13 @@ pub(crate) use svg::read as read_svg;
 use crate::bezier::{MAX_COORDINATE, bounding_box, check_coordinates};
 use crate::error::{Error, Result};
 
-/// Ends of neighbouring curves closer than this (in the domain's unit) are taken as one point.
+/// Ends of neighbouring curves that are closer than this (in the domain's unit) are merged into one point.
 const SNAP: f64 = 1e-6;
 
-/// The most segments that the loops of one surface have together.
+/// The maximum number of segments in all loops of one surface.
 const MAX_SEGMENTS: usize = 1_000_000;
 
-/// Checks the number of segments of a loop, with `others` before it.
+/// Checks the number of segments of a loop; the loops before it have `others` segments.
 fn check_count(number: usize, count: usize, others: usize) -> Result<()> {
     if others + count > MAX_SEGMENTS {
         let segment = MAX_SEGMENTS - others;
@@ -44,7 +44,8 @@ fn check_count(number: usize, count: usize, others: usize) -> Result<()> {
     Ok(())
 }
 
-/// Checks the number of segments of loops in turn, of which the first has the number `first`.
+/// Checks the number of segments of each loop in order. The first loop has the number `first`; the loops before it
+/// have `others` segments.
 fn check_counts(loops: &[TrimLoop], first: usize, mut others: usize) -> Result<()> {
     for (number, trim_loop) in (first..).zip(loops) {
         check_count(number, trim_loop.segments.len(), others)?;
@@ -96,9 +97,9 @@ impl Circle {
 /// Cuts the closed rectangle `u` × `v` (thesis, section 3.1.1).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
-    /// First and last u.
+    /// Lower and upper bound of u.
     pub u: DVec2,
-    /// First and last v.
+    /// Lower and upper bound of v.
     pub v: DVec2,
 }
 
@@ -129,7 +130,7 @@ impl Rect {
 pub struct Ellipse {
     /// Centre in the domain.
     pub center: DVec2,
-    /// Half axes along u and v; a zero cuts nothing.
+    /// Semi-axes along u and v; if one of them is 0, the ellipse cuts nothing.
     pub radii: DVec2,
 }
 
@@ -201,7 +202,7 @@ impl Segment {
         }
     }
 
-    /// The point at `t`, 0 at the start and 1 at the end.
+    /// The point at the parameter `t`, which is 0 at the start and 1 at the end.
     #[must_use]
     pub fn point(&self, t: f64) -> DVec2 {
         let s = 1.0 - t;
@@ -228,8 +229,7 @@ impl Segment {
     }
 }
 
-/// A closed chain of segments: each starts where the one before it ends, the first where the last
-/// ends.
+/// A closed chain of segments: each starts where the one before it ends, and the first starts where the last ends.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrimLoop {
     segments: Vec<Segment>,
@@ -239,7 +239,7 @@ impl TrimLoop {
     /// Closes the chain: gaps below 1e-6 are snapped shut.
     ///
     /// # Errors
-    /// No segment, a point that is not finite, a gap of 1e-6 or more; segments count from 0.
+    /// No segment, a point that is not finite, a gap of 1e-6 or more. Segments are numbered from 0.
     pub fn new(mut segments: Vec<Segment>) -> Result<Self> {
         if segments.is_empty() {
             return Err(Error::invalid("loop", "empty", "at least one segment"));
@@ -283,7 +283,7 @@ impl TrimLoop {
     }
 }
 
-/// Which side of the loops stays.
+/// Which side of the loops is kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Keep {
     /// The outside: the loops are holes, and a loop in a hole is an island.
@@ -304,18 +304,18 @@ pub struct Trims {
     pub ellipses: Vec<Ellipse>,
     /// Loops, combined by even-odd while [`Trims::loops_on`].
     pub loops: Vec<TrimLoop>,
-    /// Paths, each filled by its own rule while [`Trims::loops_on`]: a place inside one of them is
-    /// inside, regardless of the loops and the other paths.
+    /// Paths, each filled by its own rule while [`Trims::loops_on`]. A point inside any path is inside, regardless of
+    /// the loops and the other paths.
     pub paths: Vec<TrimPath>,
-    /// Which side of the loops and paths stays, if there are any.
+    /// Which side of the loops and paths is kept, if there are any.
     pub keep: Keep,
-    /// Switch of the circles.
+    /// Whether the circles are switched on.
     pub circles_on: bool,
-    /// Switch of the rectangles.
+    /// Whether the rectangles are switched on.
     pub rects_on: bool,
-    /// Switch of the ellipses.
+    /// Whether the ellipses are switched on.
     pub ellipses_on: bool,
-    /// Switch of the loops and paths.
+    /// Whether the loops and paths are switched on.
     pub loops_on: bool,
 }
 
@@ -341,20 +341,20 @@ impl Trims {
     /// Adds a loop.
     ///
     /// # Errors
-    /// More than 1,000,000 segments in all loops together, with the numbers of loop and segment; the
-    /// trims stay as they were.
+    /// More than 1,000,000 segments in all loops together; the error names the loop and the segment. The trims stay
+    /// as they were.
     pub fn add_loop(&mut self, trim_loop: TrimLoop) -> Result<()> {
         self.add_loop_to(trim_loop, self.segment_count())
     }
 
-    /// The same where the number of segments that are there is known.
+    /// The same as [`Trims::add_loop`], for callers that know the number of existing segments.
     pub(crate) fn add_loop_to(&mut self, trim_loop: TrimLoop, segments: usize) -> Result<()> {
         check_count(self.loops.len(), trim_loop.segments.len(), segments)?;
         self.loops.push(trim_loop);
         Ok(())
     }
 
-    /// How many segments all loops have together.
+    /// The number of segments in all loops together.
     #[must_use]
     pub fn segment_count(&self) -> usize {
         self.all_loops().map(|trim_loop| trim_loop.segments.len()).sum()

@@ -1,4 +1,4 @@
-//! Neighbours in a mesh.
+//! The connectivity of a mesh, as half-edges.
 //!
 //! ```text
 //!                 2
@@ -26,7 +26,7 @@ pub(super) const fn next(halfedge: u32) -> u32 {
     if halfedge % 3 == 2 { halfedge - 2 } else { halfedge + 1 }
 }
 
-/// A half-edge of an edge that has not two sides, and whether it runs against the edge's first one.
+/// A half-edge of an edge that is not a pair of twins, and whether it runs against the edge's first half-edge.
 type Side = (u32, bool);
 
 /// The half-edges of a list of triangles, by number.
@@ -38,14 +38,15 @@ pub(super) struct Connectivity {
     edges: Vec<u32>,
     /// The first half-edge of each edge, ascending.
     halfedges: Vec<u32>,
-    /// The half-edges of each edge of several triangles that are no pair of twins, the first one first.
+    /// For each edge that several triangles share but that is not a pair of twins: its half-edges, beginning with the
+    /// edge's first one.
     fans: Vec<Vec<Side>>,
 }
 
 impl Connectivity {
-    /// Pairs the half-edges that have both positions in common and run in opposite directions. Where more
-    /// than two have, or two run the same way, they have no twins: they are borders that have the edge
-    /// in common.
+    /// Pairs the half-edges that have both positions in common and run in opposite directions. If more than two
+    /// half-edges have both positions in common, or if two run in the same direction, they have no twins: they are
+    /// borders that share the edge.
     pub(super) fn new(position_count: usize, triangles: &[[Corner; 3]]) -> Self {
         let ends = |halfedge: u32| {
             let (triangle, k) = (halfedge as usize / 3, halfedge as usize % 3);
@@ -53,7 +54,7 @@ impl Connectivity {
             (corners[k].position, corners[(k + 1) % 3].position)
         };
         let count = 3 * triangles.len() as u32;
-        // Half-edges lie in buckets by the lower of their positions.
+        // Half-edges are sorted into buckets by the lower of their two position indices.
         let mut starts = vec![0_u32; position_count + 1];
         for halfedge in 0..count {
             let (from, to) = ends(halfedge);
@@ -62,7 +63,7 @@ impl Connectivity {
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        // The higher position and the half-edge in one number, which is what they are sorted by.
+        // The sort key holds the higher position index and the half-edge in one integer.
         let mut buckets = vec![0_u64; count as usize];
         for halfedge in 0..count {
             let (from, to) = ends(halfedge);
@@ -73,7 +74,7 @@ impl Connectivity {
         let mut twins = vec![NONE; count as usize];
         let mut fans: Vec<Vec<Side>> = Vec::new();
         let mut start = 0;
-        // Each bucket was filled up to its end.
+        // Filling a bucket has moved its entry in `starts` to the end of the bucket.
         for end in &starts[..position_count] {
             let bucket = &mut buckets[start..*end as usize];
             start = *end as usize;
@@ -96,12 +97,12 @@ impl Connectivity {
         Self::of_twins(twins, fans)
     }
 
-    /// The half-edges after a step, whose triangles have fixed places among the nine of each old one.
+    /// The half-edges after a step. The nine triangles that replace an old one have a fixed order.
     fn tessellated(&self) -> Self {
-        // Half-edge `i` of the part `part` of the three at corner `k`.
+        // Half-edge `i` of the new triangle `part`, one of the three at corner `k`.
         let of =
             |triangle: u32, k: u32, part: u32, i: u32| 27 * triangle + 9 * (k % 3) + 3 * part + i;
-        // The three thirds of an old half-edge.
+        // The new half-edge along a third (0, 1 or 2) of an old half-edge.
         let third = |halfedge: u32, third: u32| {
             let (triangle, k) = (halfedge / 3, halfedge % 3);
             match third {
@@ -110,7 +111,7 @@ impl Connectivity {
                 _ => of(triangle, k + 1, 0, 2),
             }
         };
-        // The half-edge that runs along a third of an old half-edge from the other side.
+        // The new half-edge on the other side of a third of an old half-edge.
         let across = |halfedge: u32, part: u32| match self.twins[halfedge as usize] {
             NONE => NONE,
             twin => third(twin, 2 - part),
@@ -155,9 +156,10 @@ impl Connectivity {
     fn of_twins(twins: Vec<u32>, mut fans: Vec<Vec<Side>>) -> Self {
         let mut edges = vec![NONE; twins.len()];
         let mut halfedges = Vec::with_capacity(twins.len() / 2 + 1);
-        // The first half-edge of a fan comes before the others; until then its number stands in their place.
+        // The first half-edge of a fan has the lowest number. Until edges are numbered, `edges` holds its number for
+        // all half-edges of the fan.
         for fan in &mut fans {
-            // After a step its first one is first again, but for borders that run the other way.
+            // After a step, the first half-edge of a fan is first again, except at borders that run the other way.
             let (first, against) = fan.iter().copied().min().unwrap_or((NONE, false));
             fan.sort_unstable();
             for (halfedge, side) in fan {
@@ -182,7 +184,7 @@ impl Connectivity {
         Self { twins, edges, halfedges, fans }
     }
 
-    /// The half-edges of the edge of a half-edge that is part of a fan.
+    /// The half-edges of the edge of a half-edge, if that edge is a fan.
     fn fan(&self, halfedge: u32) -> Option<&[Side]> {
         if self.fans.is_empty() {
             return None;
@@ -193,17 +195,18 @@ impl Connectivity {
     }
 }
 
-/// Edges of several triangles that are no neighbours there: borders for drawing and smoothing, which have the
-/// edge in common.
+/// The numbers of edges that several triangles share without being neighbours there. Drawing and smoothing treat
+/// these triangles as having borders that share the edge.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct SharedBorders {
     /// Edges of more than two triangles.
     pub crowded: usize,
-    /// Edges of two triangles that run through them in the same direction.
+    /// Edges that two triangles run through in the same direction.
     pub same_way: usize,
 }
 
-/// As in "12 edges of more than two triangles and 2 that both triangles run through in the same direction".
+/// Writes, for example, "12 edges of more than two triangles and 2 that both triangles run through in the same
+/// direction".
 impl fmt::Display for SharedBorders {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let edges =
@@ -218,27 +221,25 @@ impl fmt::Display for SharedBorders {
     }
 }
 
-/// The corners and normals that the smooth surface over a triangle is made of.
+/// The corners and normals that define the smooth surface over a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SmoothTriangle {
     /// The corners.
     pub positions: [DVec3; 3],
     /// The normals of the corners, for shading: unit vectors, or zero.
     pub normals: [DVec3; 3],
-    /// For the edge from corner k to the next: the normals at its ends that shape it. Neighbours
-    /// have the same.
+    /// For the edge from corner k to the next: the normals at its ends that shape it. Neighbours have the same ones.
     pub edge_normals: [[DVec3; 2]; 3],
 }
 
 /// A mesh whose triangles know their neighbours.
 ///
-/// It may have borders and several components, triangles that touch in a vertex alone, and edges that are no
-/// surface's, of three triangles or more. Normals and texture coordinates are of no concern to what is
-/// connected.
+/// It may have borders, several components, triangles that touch only in a vertex, and non-manifold edges of three or
+/// more triangles. Normals and texture coordinates do not affect the connectivity.
 #[derive(Debug, Clone)]
 pub struct HalfedgeMesh {
     mesh: Mesh,
-    /// Found when it is first asked for: a mesh that is drawn as it is needs no neighbours.
+    /// Computed on first use: a mesh that is drawn without smoothing needs no connectivity.
     connectivity: OnceLock<Connectivity>,
 }
 
@@ -249,9 +250,8 @@ impl PartialEq for HalfedgeMesh {
 }
 
 impl HalfedgeMesh {
-    /// Neighbours are two triangles that run through an edge in opposite directions. Other edges are borders;
-    /// those that several triangles have in common nevertheless stay one edge
-    /// ([`HalfedgeMesh::shared_borders`]).
+    /// Two triangles are neighbours if they run through an edge in opposite directions. All other edges are borders.
+    /// A border that several triangles share still counts as one edge ([`HalfedgeMesh::shared_borders`]).
     #[must_use]
     pub const fn new(mesh: Mesh) -> Self {
         Self { mesh, connectivity: OnceLock::new() }
@@ -263,7 +263,7 @@ impl HalfedgeMesh {
             .get_or_init(|| Connectivity::new(mesh.positions().len(), mesh.triangles()))
     }
 
-    /// How many edges several triangles have in common without being neighbours there.
+    /// How many edges several triangles share without being neighbours there.
     #[must_use]
     pub fn shared_borders(&self) -> SharedBorders {
         let same_way = self.connectivity().fans.iter().filter(|fan| fan.len() == 2).count();
@@ -276,7 +276,7 @@ impl HalfedgeMesh {
         &self.mesh
     }
 
-    /// The mesh alone.
+    /// The mesh without its connectivity.
     #[must_use]
     pub fn into_mesh(self) -> Mesh {
         self.mesh
@@ -294,7 +294,7 @@ impl HalfedgeMesh {
         self.connectivity().halfedges.len() as u32
     }
 
-    /// The half-edge that runs the other way in the neighbour; none at a border.
+    /// The half-edge that runs the other way in the neighbour; `None` at a border.
     #[must_use]
     pub fn twin(&self, halfedge: u32) -> Option<u32> {
         Some(self.connectivity().twins[halfedge as usize]).filter(|twin| *twin != NONE)
@@ -330,8 +330,8 @@ impl HalfedgeMesh {
         self.connectivity().halfedges[edge as usize]
     }
 
-    /// The mesh after a step, whose neighbours follow from those of this one. Beside
-    /// [`HalfedgeMesh::tessellate`] it is what further steps need.
+    /// The mesh after a step of smoothing. Its connectivity is derived from the connectivity of this mesh. Use this
+    /// instead of [`HalfedgeMesh::tessellate`] if further steps follow.
     ///
     /// # Errors
     /// More than [`Mesh::MAX_TRIANGLES`].
@@ -348,16 +348,16 @@ impl HalfedgeMesh {
     /// For each triangle and its edge from corner k to the next, the normals at the two ends that
     /// shape the edge.
     ///
-    /// Where both sides have the same normal it is that one; at a crease the sum of the two, made
-    /// unit, or zero (which makes the edge straight there) if they are opposite. So both sides have
-    /// the same, bit for bit. Triangles that have a border in common have the same too: their one normal,
-    /// or else zero.
+    /// If both sides have the same normal, it is used. At a crease it is the normalized sum of both normals, or zero
+    /// if they are opposite; a zero normal makes the edge straight there. So both sides get the same normal, bit for
+    /// bit. Triangles that share a border also get the same normal: their common one if all have the same, otherwise
+    /// zero.
     #[must_use]
     pub fn edge_normals(&self) -> Vec<[[DVec3; 2]; 3]> {
         (0..self.halfedges() / 3).map(|triangle| self.triangle(triangle).edge_normals).collect()
     }
 
-    /// The corners and normals that the smooth surface over a triangle is made of.
+    /// The corners and normals that define the smooth surface over a triangle.
     #[must_use]
     pub fn triangle(&self, triangle: u32) -> SmoothTriangle {
         let corners = &self.mesh.triangles[triangle as usize];

@@ -1,4 +1,5 @@
-//! Normals that a mesh does not give: of triangles, and of corners from the triangles around them.
+//! Computes the normals that a mesh does not provide: those of triangles, and those of corners from the triangles
+//! around them.
 
 use std::cmp::Ordering;
 
@@ -8,12 +9,12 @@ use super::half_edge::{Connectivity, next};
 use super::vectors::{direction, mean, sum};
 use super::{Corner, CreaseAngle, Mesh};
 
-/// A triangle whose longest side is 1 and whose area is less than this has no area: what is left of
-/// it may be rounding alone.
+/// A triangle whose longest side is 1 and whose area is less than this is treated as having no area: its area may be
+/// rounding error alone.
 const NO_AREA: f64 = 1e-14;
 
-/// The sides of a triangle, from each corner to the next, scaled so that products of them are in
-/// range; none if it is a point.
+/// The sides of a triangle, from each corner to the next, scaled so that their products do not overflow or underflow;
+/// `None` if the triangle is a point.
 fn sides([a, b, c]: [DVec3; 3]) -> Option<[DVec3; 3]> {
     let sides = [b - a, c - b, a - c];
     let scale = sides.map(|side| side.abs().max_element()).into_iter().fold(0.0, f64::max);
@@ -37,14 +38,14 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// The normal for shading where nothing better is known: those of the corners interpolated; where
-/// that vanishes the triangle's own; where it has none, up.
+/// The normal for shading where no better one is known: the interpolation of the corners' normals. If that vanishes,
+/// it is the normal of the triangle. If the triangle has none, it is +z.
 pub(super) fn shading(normals: [DVec3; 3], positions: [DVec3; 3], weights: [f64; 3]) -> DVec3 {
     direction(mean(normals, weights)).or_else(|| direction(of_face(positions))).unwrap_or(DVec3::Z)
 }
 
-/// Computes the normals of corners that have none: the mean of the faces around the position,
-/// weighted by their angles there (Thürmer, Wüthrich 1998), as far as no crease and no border is between.
+/// Computes the normals of corners that have none: the mean of the normals of the faces around the position, weighted
+/// by the faces' angles there (Thürmer, Wüthrich 1998). Faces beyond a crease or a border do not contribute.
 pub(super) fn complete(mesh: &mut Mesh, crease: CreaseAngle) {
     if mesh.triangles.iter().flatten().all(|corner| corner.normal != Corner::NONE) {
         return;
@@ -100,8 +101,8 @@ fn positions_of(mesh: &Mesh, corners: &[Corner; 3]) -> [DVec3; 3] {
     corners.map(|corner| mesh.positions[corner.position as usize])
 }
 
-/// For every corner the number of the corners that it shares a normal with: those it reaches around
-/// its position without a crease or a border. Beside them how many numbers there are.
+/// For every corner the number of its group, and the number of groups. The corners of a group share a normal: they
+/// can be reached from each other around their position without crossing a crease or a border.
 fn groups(mesh: &Mesh, faces: &[DVec3], crease: CreaseAngle) -> (Vec<u32>, usize) {
     let connectivity = Connectivity::new(mesh.positions.len(), &mesh.triangles);
     let mut parents: Vec<u32> = (0..3 * faces.len() as u32).collect();
@@ -127,7 +128,7 @@ fn groups(mesh: &Mesh, faces: &[DVec3], crease: CreaseAngle) -> (Vec<u32>, usize
     (numbers, count as usize)
 }
 
-/// The corner that stands for the group of another.
+/// The corner that represents the group of a corner (union-find).
 fn root(parents: &mut [u32], mut corner: u32) -> u32 {
     while parents[corner as usize] != corner {
         let above = parents[parents[corner as usize] as usize];

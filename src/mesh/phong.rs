@@ -13,13 +13,13 @@ use super::{Alpha, SmoothTriangle, normals};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PhongTriangle {
     positions: [DVec3; 3],
-    /// How far the control point of each edge is from its middle.
+    /// The offset of the control point of each edge from the middle of the edge.
     edges: [DVec3; 3],
     normals: [DVec3; 3],
 }
 
 impl PhongTriangle {
-    /// The control points over a triangle. A normal of zero projects nothing.
+    /// The control points over a triangle. Where a normal is zero, nothing is projected.
     #[must_use]
     pub fn new(triangle: &SmoothTriangle, alpha: Alpha) -> Self {
         let SmoothTriangle { positions, normals, edge_normals } = *triangle;

@@ -21,9 +21,9 @@ use super::{SmoothTriangle, normals};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PnTriangle {
     positions: [DVec3; 3],
-    /// How far the two inner control points of each edge are from its thirds.
+    /// The offsets of the two inner control points of each edge from the thirds of the edge.
     edges: [[DVec3; 2]; 3],
-    /// How far the control point in the middle is from the centroid.
+    /// The offset of the middle control point from the centroid.
     middle: DVec3,
     normals: [DVec3; 3],
     edge_normals: [DVec3; 3],
@@ -44,8 +44,8 @@ impl PnTriangle {
         Self {
             positions,
             edges,
-            // The thirds of the edges have the centroid V for their mean, so E − V is the mean of
-            // what moves them, and the paper's E + (E − V)/2 is V + 3/2 (E − V).
+            // The mean of the thirds of all edges is the centroid V. So E − V is the mean of the offsets of the
+            // edges' control points, and the paper's E + (E − V)/2 is V + 3/2 (E − V).
             middle: sum(a, b, c) / 4.0,
             normals,
             edge_normals: [0, 1, 2].map(|k| {
@@ -104,8 +104,8 @@ impl CurvedTriangle for PnTriangle {
     }
 }
 
-/// The normal in the middle of an edge: the sum of those at its ends, mirrored in the plane that
-/// halves the edge. An edge of no length mirrors nothing. Zero if the normals are opposite.
+/// The normal in the middle of an edge: the sum of the normals at its ends, reflected in the plane that bisects the
+/// edge. If the edge has no length, nothing is reflected. The result is zero if the normals are opposite.
 fn mirrored(edge: DVec3, sum: DVec3) -> DVec3 {
     let axis = edge.try_normalize().unwrap_or(DVec3::ZERO);
     direction(sum - 2.0 * along(sum, axis)).unwrap_or(DVec3::ZERO)

@@ -11,8 +11,8 @@
 //!         0--e0---f0--1
 //! ```
 //!
-//! Barycentric coordinates of the new points are constants. To compute them from positions again is
-//! what made the course project's pictures break.
+//! The barycentric coordinates of the new points are constants. The course project computed them again from
+//! positions, which broke its pictures.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -22,7 +22,7 @@ use super::{
 };
 use crate::error::{Error, Result};
 
-/// Triangles that one becomes.
+/// The number of triangles that replace each triangle.
 const PARTS: usize = 9;
 const THIRD: f64 = 1.0 / 3.0;
 const CENTER: [f64; 3] = [THIRD; 3];
@@ -38,22 +38,22 @@ const EDGES: [[[f64; 3]; 2]; 3] = {
 
 /// A surface over a triangle.
 pub trait CurvedTriangle {
-    /// The point at barycentric coordinates of sum 1. Where one of them is zero, neighbours have
+    /// The point at barycentric coordinates whose sum is 1. On an edge, where one of them is zero, neighbours have
     /// the same point to the last bit.
     fn position(&self, u: f64, v: f64, w: f64) -> DVec3;
 
-    /// The normal for shading at barycentric coordinates of sum 1: always a unit vector.
+    /// The normal for shading at barycentric coordinates whose sum is 1: always a unit vector.
     fn normal(&self, u: f64, v: f64, w: f64) -> DVec3;
 }
 
-/// A list of the new mesh: the old entries, two for each edge in the order of its first half-edge,
-/// one for each face, and two more for each edge whose sides differ.
+/// A list of values of the new mesh, such as positions or normals. It has the old entries, then two for each edge in
+/// the order of the edges' first half-edges, then one for each face, then two more for each edge whose sides differ.
 struct TessellationList<T> {
-    /// Old entries and those of edges.
+    /// The old entries and those of edges.
     entries: Vec<T>,
     faces: Vec<T>,
     apart: Vec<T>,
-    /// Number of the first entry of edges, of faces, and of what is apart.
+    /// The numbers of the first entry of edges, of faces, and of `apart`.
     starts: [u32; 3],
 }
 
@@ -72,9 +72,9 @@ impl<T: Copy + PartialEq> TessellationList<T> {
         }
     }
 
-    /// The numbers of the entries of a half-edge's edge, the nearer to its beginning first. The first
-    /// half-edge makes them, and its twin again where the sides differ. `of_corner` is a corner's
-    /// number in this list.
+    /// The numbers of the two entries of a half-edge's edge; the one nearer to the half-edge's beginning comes first.
+    /// The first half-edge of the edge creates the entries. Its twin creates entries of its own where the sides
+    /// differ. `of_corner` returns a corner's number in this list.
     fn edge_tess_index(
         &mut self,
         mesh: &HalfedgeMesh,
@@ -93,7 +93,7 @@ impl<T: Copy + PartialEq> TessellationList<T> {
             let [a, b] = [a, b].map(|halfedge| of_corner(mesh.corner(halfedge)));
             a == b || self.entries[a as usize] == self.entries[b as usize]
         };
-        // A border that triangles have in common may run the same way.
+        // At a border that triangles share, half-edges may run in the same direction.
         let against = mesh.vertex(halfedge) != mesh.vertex(first);
         let ends = if against { [mesh.next(first), first] } else { [first, mesh.next(first)] };
         if same(halfedge, ends[0]) && same(mesh.next(halfedge), ends[1]) {
@@ -104,7 +104,7 @@ impl<T: Copy + PartialEq> TessellationList<T> {
         [index, index + 1]
     }
 
-    /// The number of a face's entry.
+    /// Adds the entry of a face, and returns its number.
     fn face_tess_index(&mut self, entry: T) -> u32 {
         self.faces.push(entry);
         self.starts[1] + self.faces.len() as u32 - 1
@@ -119,12 +119,12 @@ impl<T: Copy + PartialEq> TessellationList<T> {
 }
 
 impl HalfedgeMesh {
-    /// The mesh of one step.
+    /// The mesh after one step.
     ///
-    /// Its points lie on the surfaces over this mesh's triangles: first the old ones, then two for
-    /// each edge, the nearer to the beginning of its first half-edge first, then one for each face.
-    /// Normals and texture coordinates come in the same order; what differs between the sides of an
-    /// edge follows at the end. Triangles are in the order of those that they are parts of.
+    /// Its points lie on the surfaces over this mesh's triangles. The old points come first, then two for each edge,
+    /// then one for each face. Of the two on an edge, the one nearer to the beginning of the edge's first half-edge
+    /// comes first. Normals and texture coordinates have the same order. Values that differ between the sides of an
+    /// edge follow at the end. The new triangles are in the order of the triangles that they replace.
     ///
     /// # Errors
     /// More than [`Mesh::MAX_TRIANGLES`].
@@ -136,7 +136,7 @@ impl HalfedgeMesh {
         }
     }
 
-    /// The mesh of one step on curved PN triangles; see [`HalfedgeMesh::tessellate`].
+    /// The mesh after one step with curved PN triangles; see [`HalfedgeMesh::tessellate`].
     ///
     /// # Errors
     /// More than [`Mesh::MAX_TRIANGLES`].
@@ -144,7 +144,7 @@ impl HalfedgeMesh {
         self.tessellate_on(PnTriangle::new)
     }
 
-    /// The mesh of one step of Phong tessellation; see [`HalfedgeMesh::tessellate`].
+    /// The mesh after one step of Phong tessellation; see [`HalfedgeMesh::tessellate`].
     ///
     /// # Errors
     /// More than [`Mesh::MAX_TRIANGLES`].
@@ -228,7 +228,7 @@ impl HalfedgeMesh {
     }
 }
 
-/// The triangles that replace a triangle, by its number of new points; see the picture above.
+/// The nine triangles that replace a triangle; see the picture at the top of this file.
 fn build_tessellation_faces(
     corners: [Corner; 3],
     edges: [[Corner; 2]; 3],
@@ -263,7 +263,7 @@ fn check_size(triangles: usize, steps: u32) -> Result<()> {
     ))
 }
 
-/// So many steps of smoothing, one on the other.
+/// The mesh after the given number of smoothing steps.
 ///
 /// # Errors
 /// More than [`Mesh::MAX_TRIANGLES`].

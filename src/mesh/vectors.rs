@@ -1,41 +1,40 @@
-//! Sums, means and directions of vectors, such that rounding does not depend on the order of corners.
+//! Sums, means and directions of vectors, computed so that rounding does not depend on the order of corners.
 
 use glam::DVec3;
 
-/// A sum of unit vectors that is shorter than this has no direction: what is left of it may be
-/// rounding alone.
+/// A sum of unit vectors that is shorter than this has no direction: it may be rounding error alone.
 const VANISHED: f64 = 1e-8;
-/// A normal whose squared length is this near to 1 keeps its bits, so that meshes which are written
-/// and read again stay the same.
+/// A normal whose squared length is this close to 1 is not normalized again, so that meshes that are written and read
+/// back stay the same.
 const UNIT: f64 = 1e-14;
 
-/// A given normal as a unit vector, zero as zero; none if it is not finite.
+/// Normalizes a given normal; zero stays zero. `None` if the normal is not finite.
 pub(super) fn unit(normal: DVec3) -> Option<DVec3> {
     if (normal.length_squared() - 1.0).abs() <= UNIT {
         return Some(normal);
     }
-    // Scaled first, because squares of very long and very short ones are out of range.
+    // Scaled first, because the squares of very long and very short vectors are out of range.
     let scale = normal.abs().max_element();
     normal.is_finite().then(|| if scale > 0.0 { (normal / scale).normalize() } else { DVec3::ZERO })
 }
 
-/// The direction of a sum of unit vectors; none if it vanishes.
+/// The direction of a sum of unit vectors; `None` if the sum vanishes.
 pub(super) fn direction(sum: DVec3) -> Option<DVec3> {
     let length = sum.length();
     (length > VANISHED).then(|| sum / length)
 }
 
-/// The normal that two sides of an edge have in common at one of its ends.
+/// The common normal of the two sides of an edge at one of its ends.
 pub(super) fn between(own: DVec3, other: DVec3) -> DVec3 {
     if own == other { own } else { direction(own + other).unwrap_or(DVec3::ZERO) }
 }
 
-/// The part of a vector along a unit vector (or zero).
+/// The component of a vector along a unit vector (or zero).
 pub(super) fn along(vector: DVec3, unit: DVec3) -> DVec3 {
     unit * vector.dot(unit)
 }
 
-/// The mean of three vectors by weights, the same for corners in any order.
+/// The weighted mean of three vectors; the same to the last bit for corners in any order.
 pub(super) fn mean([a, b, c]: [DVec3; 3], [u, v, w]: [f64; 3]) -> DVec3 {
     sum(a * u, b * v, c * w)
 }

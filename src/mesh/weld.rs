@@ -1,4 +1,4 @@
-//! Positions that a file has several times.
+//! Merges positions that a file contains several times.
 
 use std::collections::HashMap;
 
@@ -6,14 +6,15 @@ use glam::DVec3;
 
 use super::Corner;
 
-/// Makes equal positions one, the first of them, so that seams of a file do not tear, and leaves out triangles
-/// that thereby have twice the same position: their neighbours meet without them. Returns their numbers.
+/// Replaces equal positions by the first of them, so that seams of a file do not tear open. Triangles that then have
+/// the same position twice are removed; their neighbours meet without them. Returns the numbers of the removed
+/// triangles.
 pub(crate) fn weld(positions: &[DVec3], triangles: &mut Vec<[Corner; 3]>) -> Vec<u32> {
     let mut firsts = HashMap::with_capacity(positions.len());
     let welded: Vec<u32> = (0..)
         .zip(positions)
         .map(|(index, position)| {
-            // Adding zero makes −0 and 0 one.
+            // Adding zero turns −0 into 0.
             let bits = (*position + DVec3::ZERO).to_array().map(f64::to_bits);
             *firsts.entry(bits).or_insert(index)
         })

@@ -1,4 +1,4 @@
-//! A scene as data instead of colours: values of each pixel, and the triangles that the tessellator makes.
+//! A scene as data instead of colours: AOVs of each pixel, and the triangles that the tessellator generates.
 
 use super::PreparedScene;
 use crate::aov::Aovs;
@@ -9,7 +9,7 @@ use crate::renderer::{DrawnVertex, Frame, Renderer};
 use crate::scene::{Method, Normals};
 
 impl PreparedScene {
-    /// The AOVs of a frame at the centres of pixels. Lines and control points are not drawn.
+    /// Renders the AOVs of a frame at pixel centres. Wireframe lines and control points are not drawn.
     ///
     /// # Errors
     /// As [`PreparedScene::draw`].
@@ -26,8 +26,9 @@ impl PreparedScene {
         Ok(target.aovs())
     }
 
-    /// The corners of all triangles that a frame of the exact method draws, three for each. Trims do not cut
-    /// them; triangles without area are among them. A framebuffer must be bound; it stays as it is.
+    /// Captures the vertices of all triangles that a frame of the exact method draws, three for each triangle. The
+    /// triangles are not trimmed, and they include degenerate ones (without area). A framebuffer must be bound; its
+    /// contents are not changed.
     ///
     /// # Errors
     /// As [`PreparedScene::draw`].

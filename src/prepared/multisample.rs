@@ -1,5 +1,5 @@
-//! Pictures with several samples a pixel: by the driver's multisampling as far as it goes, beyond
-//! that by drawing the scene once for each sample and averaging.
+//! Images with several samples per pixel. They use the driver's multisampling up to its maximum sample count;
+//! beyond that, the scene is drawn once for each sample and the results are averaged.
 
 use glam::{DMat4, DVec2, dvec2, dvec3};
 
@@ -11,8 +11,8 @@ use crate::renderer::{Frame, Renderer};
 use crate::scene::{Image, Samples};
 
 impl Framebuffer {
-    /// A target for pictures with `samples` samples per pixel: the target has all of them if the driver can,
-    /// otherwise one, to be drawn into again and again by [`PreparedScene::picture`].
+    /// A target for images with `samples` samples per pixel. The target has all of them if the driver supports that.
+    /// Otherwise it has one, and [`PreparedScene::picture`] draws into it repeatedly.
     ///
     /// # Errors
     /// As [`Framebuffer::new`].
@@ -24,15 +24,15 @@ impl Framebuffer {
 }
 
 impl PreparedScene {
-    /// Draws the scene with the samples that the frame's settings ask for, and reads the picture.
-    /// Where the target has fewer samples, the scene is drawn once for each; `progress` is told how
-    /// many of how many drawings are done.
+    /// Draws the scene with the number of samples in the frame's settings, and reads the image back. If the target
+    /// has fewer samples, the scene is drawn once for each sample. `progress` is called with the number of finished
+    /// passes and the total.
     ///
-    /// Pixels are averages of colours times alpha, so that edges on a transparent background keep
-    /// the colour of what is drawn.
+    /// Pixels are averages of premultiplied colours (colour times alpha), so that edges on a transparent background
+    /// keep the colour of the object drawn.
     ///
     /// # Errors
-    /// As [`PreparedScene::draw`]; no memory for the picture.
+    /// As [`PreparedScene::draw`], or no memory for the image.
     pub fn picture(
         &mut self,
         renderer: &mut Renderer,
@@ -62,7 +62,7 @@ impl PreparedScene {
         Ok(image)
     }
 
-    /// The average of one drawing for each sample.
+    /// Draws the scene once for each sample and averages the images.
     fn average(
         &mut self,
         renderer: &mut Renderer,
@@ -91,9 +91,8 @@ impl PreparedScene {
     }
 }
 
-/// Where the samples of a pixel lie, counted from its centre in pixels: a lattice of rank 1, which
-/// has each sample in a row and a column of its own. The factors are those of least error on
-/// straight edges of all directions.
+/// Sample positions relative to the centre of a pixel, in pixels. They form a rank-1 lattice, in which each sample
+/// has its own row and column. The factors are the ones with the least error on straight edges of all directions.
 pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
     let count = samples.get();
     let factor = match count {
@@ -111,14 +110,14 @@ pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// The same view with its picture moved by `by_px` pixels to the right and up.
+/// The same view with its image shifted by `by_px` pixels to the right and up.
 fn moved(camera: &ViewProjection, by_px: DVec2, (width, height): (u32, u32)) -> ViewProjection {
     let shift = 2.0 * by_px / dvec2(width.into(), height.into());
     let to_clip = DMat4::from_translation(dvec3(shift.x, shift.y, 0.0));
     ViewProjection { view: camera.view, projection: to_clip * camera.projection }
 }
 
-/// Colours times alpha back to colours; where nothing is drawn, to the background's.
+/// Divides premultiplied colours by alpha. Pixels with alpha 0 get the background's colour.
 fn divide_by_alpha(image: &mut Image, background: [f32; 4]) {
     let [red, green, blue, _] = background.map(|channel| (channel * 255.0).round() as u8);
     for pixel in image.pixels_mut() {

@@ -1,4 +1,4 @@
-//! The triangles that a frame draws, as the tessellation stages make them.
+//! Captures the triangles of a frame as the tessellation stages generate them.
 #![allow(unsafe_code, reason = "transform feedback is unsafe in glow")]
 
 use bytemuck::{Pod, Zeroable};
@@ -7,23 +7,23 @@ use glow::HasContext;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gl};
 
-/// A corner of a triangle that the exact method draws.
+/// A vertex of a triangle that the exact method draws.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct DrawnVertex {
-    /// Clip space; of rational patches multiplied by the weight.
+    /// Position in clip space; for rational patches multiplied by the weight.
     pub clip: [f32; 4],
-    /// View space, and 1.
+    /// Position in view space; the fourth component is 1.
     pub position: [f32; 4],
-    /// View space, unit length, Sv × Su; of meshes inwards.
+    /// Normal in view space, of unit length, in the direction Sv × Su; on meshes it points inwards.
     pub normal: [f32; 3],
-    /// Place in the domain; of a mesh's triangle the weights of its second and third corner.
+    /// Parameters (u, v) in the domain; on a mesh's triangle the barycentric weights of its second and third corner.
     pub uv: [f32; 2],
-    /// The patch's number in the scene.
+    /// Index of the patch in the scene.
     pub patch: u32,
 }
 
-/// One draw whose triangles are kept instead of being filled.
+/// A draw whose triangles are captured by transform feedback instead of being rasterized.
 pub(super) struct Feedback {
     gl: Gl,
     buffer: Buffer,
@@ -35,8 +35,8 @@ impl Feedback {
         let vertices = 3 * triangles as usize;
         let buffer = Buffer::new(gl, "kept triangles", &vec![DrawnVertex::zeroed(); vertices])?;
         buffer.bind_feedback();
-        // SAFETY: the context is current (see the renderer); the program that is bound has outputs to
-        // keep, the buffer has room for them.
+        // SAFETY: the context is current (see the renderer); the bound program has outputs to capture, and the buffer
+        // has room for them.
         unsafe {
             gl.enable(glow::RASTERIZER_DISCARD);
             gl.begin_transform_feedback(glow::TRIANGLES);

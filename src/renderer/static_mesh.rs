@@ -1,5 +1,5 @@
-//! Triangles that were made beforehand, through the fragment stages of surfaces: what tessellation is
-//! measured against.
+//! Triangles tessellated in advance and drawn with the fragment stages of surfaces. They are the baseline against
+//! which tessellation is measured.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use std::mem::offset_of;
@@ -15,19 +15,19 @@ use crate::gpu::{Attribute, Buffer, FloatTarget, Gl, Texture, Vertex, VertexArra
 use crate::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
 use crate::scene::{Method, Shading};
 
-/// A corner of triangles.
+/// A vertex of a static triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct StaticVertex {
-    /// World space.
+    /// Position in world space.
     pub position: [f32; 3],
     /// First coordinate in the domain.
     pub u: f32,
-    /// World space, of any length, Sv × Su as the thesis has it.
+    /// Normal in world space, of any length, in the direction Sv × Su as in the thesis.
     pub normal: [f32; 3],
     /// Second coordinate in the domain.
     pub v: f32,
-    /// The patch's number in the scene.
+    /// Index of the patch in the scene.
     pub patch: u32,
 }
 
@@ -39,7 +39,7 @@ impl Vertex for StaticVertex {
     ];
 }
 
-/// Triangles in the driver's memory.
+/// Static triangles uploaded to the driver.
 #[derive(Debug)]
 pub struct StaticMesh {
     gl: Gl,
@@ -50,10 +50,10 @@ pub struct StaticMesh {
 }
 
 impl StaticMesh {
-    /// Uploads triangles: three indices of vertices each. Neither may be empty.
+    /// Uploads triangles; each has three vertex indices. Neither slice may be empty.
     ///
     /// # Errors
-    /// An index without its vertex; no memory for them, or 2 GiB and more.
+    /// An index beyond the vertices, no memory, or data of 2 GiB or more.
     pub fn new(gl: &Gl, vertices: &[StaticVertex], indices: &[u32]) -> Result<Self> {
         check(vertices, indices)?;
         Ok(Self {
@@ -65,7 +65,7 @@ impl StaticMesh {
         })
     }
 
-    /// Replaces the triangles; buffers that are large enough are used again.
+    /// Replaces the triangles. Buffers that are large enough are reused.
     ///
     /// # Errors
     /// As [`StaticMesh::new`].
@@ -77,14 +77,14 @@ impl StaticMesh {
         Ok(())
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     #[must_use]
     pub const fn triangles(&self) -> usize {
         self.count / 3
     }
 }
 
-/// Refuses indices beyond the vertices: the driver would read what is not there.
+/// Rejects indices beyond the vertices, because the driver would read out of bounds.
 fn check(vertices: &[StaticVertex], indices: &[u32]) -> Result<()> {
     match indices.iter().max() {
         Some(last) if *last as usize >= vertices.len() => {
@@ -107,19 +107,19 @@ fn refill<T: Pod>(gl: &Gl, buffer: &mut Buffer, label: &str, values: &[T]) -> Re
 /// How static triangles are drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct StaticStyle<'a> {
-    /// Whose fragment stage.
+    /// The method whose fragment stage is used.
     pub method: Method,
-    /// Its light.
+    /// The shading model.
     pub shading: Shading,
-    /// The trims that are compiled in: of the thesis' method alone. Their uniforms are set on
+    /// The trims that are compiled in; only the thesis' method supports them here. Set their uniforms on
     /// [`Renderer::program`] of [`StaticStyle::key`], where they stay.
     pub trims: TrimFeatures,
-    /// The surface's picture.
+    /// The surface's texture.
     pub texture: &'a Texture,
 }
 
 impl StaticStyle<'_> {
-    /// The program that draws so.
+    /// The key of the program that draws in this style.
     #[must_use]
     pub const fn key(&self, output: Output, far_depth: bool) -> ProgramKey {
         let pipeline = Pipeline::Static(self.method);
@@ -138,7 +138,7 @@ impl Renderer {
     /// Draws static triangles into the bound framebuffer.
     ///
     /// # Errors
-    /// A shader that the driver does not take.
+    /// A shader that the driver rejects.
     pub fn draw_static(
         &mut self,
         mesh: &StaticMesh,
@@ -148,7 +148,7 @@ impl Renderer {
         self.draw_static_to(mesh, style, frame, Output::Picture)
     }
 
-    /// The AOVs of static triangles, at the centres of pixels.
+    /// Renders the AOVs of static triangles at pixel centres.
     ///
     /// # Errors
     /// As [`Renderer::draw_static`].
@@ -186,8 +186,8 @@ impl Renderer {
         style.texture.bind(0);
         self.set_state(frame, 3, frame.settings.wireframe && output == Output::Picture);
         mesh.array.bind_indexed(&mesh.vertices, &mesh.indices);
-        // SAFETY: the context is current (see the type); the buffer holds `count` indices, which were
-        // checked to be of vertices, and whose bytes fit an i32.
+        // SAFETY: the context is current (see the type); the buffer holds `count` indices, which were checked against
+        // the number of vertices, and its size in bytes fits an i32.
         unsafe {
             let count = mesh.count as i32;
             self.gl.draw_elements(glow::TRIANGLES, count, glow::UNSIGNED_INT, 0);

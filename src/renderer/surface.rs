@@ -1,4 +1,4 @@
-//! A surface in the driver's memory.
+//! A surface uploaded to the driver.
 
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,37 +14,37 @@ use crate::scene::{Cull, Image, Paint, RenderSettings, Shading, Surface, check_t
 use crate::tessellation::NormalCone;
 use crate::trim::Trims;
 
-/// A surface in the driver's memory, to be changed between frames.
+/// A surface uploaded to the driver. It can be changed between frames.
 ///
-/// Changes are uploaded automatically: a control point at once, trims when they are next drawn.
+/// Changes are uploaded automatically: control points immediately, trims at the next draw.
 #[derive(Debug)]
 pub struct PreparedSurface {
     surface: Surface,
     control_points: ControlPoints,
-    /// Of each patch.
+    /// One cone for each patch.
     cones: Vec<NormalCone>,
     texture: Rc<Texture>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
 }
 
-/// Identifies the state of a surface: no two states have the same numbers.
+/// Identifies the state of a surface. No two states have equal revisions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Revision {
-    /// Of the borders of the patches and their place in the world.
+    /// Revision of the patches' borders and of their placement in the world.
     pub(super) borders: u64,
-    /// Of everything else.
+    /// Revision of all other state.
     pub(super) rest: u64,
 }
 
-/// A number that was not there before.
+/// Returns a number that was never returned before.
 fn new_number() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 impl PreparedSurface {
-    /// Uploads a surface; the texture is used whatever the surface's paint says.
+    /// Uploads a surface. The given texture is used instead of the surface's paint.
     pub(crate) fn new(gl: &Gl, surface: Surface, texture: Rc<Texture>) -> Result<Self> {
         let points = surface.control_points();
         let centering = LocalFrame::of(points.iter());
@@ -52,7 +52,7 @@ impl PreparedSurface {
         Self::with_points(surface, texture, uploaded.remove(0))
     }
 
-    /// The same with control points that are there already.
+    /// The same, with control points that are already uploaded.
     pub(crate) fn with_points(
         surface: Surface,
         texture: Rc<Texture>,
@@ -72,7 +72,7 @@ impl PreparedSurface {
         })
     }
 
-    /// The surface as it is now; of its paint only what it was made with.
+    /// The surface in its current state. Its paint, however, is the one that it was created with.
     #[must_use]
     pub const fn surface(&self) -> &Surface {
         &self.surface
@@ -89,22 +89,22 @@ impl PreparedSurface {
         Ok(())
     }
 
-    /// Moves one control point; it keeps its weight.
+    /// Moves one control point without changing its weight.
     ///
     /// # Errors
-    /// An index out of range, a point that is not finite; the surface stays as it was.
+    /// An index out of range, or a point that is not finite; the surface stays unchanged.
     pub fn set_specific_control_point(&mut self, point: DVec3, index: usize) -> Result<()> {
         let weight = self.surface.control_points().get(index).map_or(1.0, |point| point.w);
         self.set_control_point(point.extend(weight), index)
     }
 
-    /// Moves one control point and gives it a weight. Only its own bytes go to the GPU; all of
-    /// the surface's, centred anew, if it goes far out of their box or the box becomes much smaller. Edges
-    /// that it had in common with other surfaces then differ from theirs by rounding.
+    /// Moves one control point and sets its weight. Only this point is uploaded. If it moves far out of the control
+    /// points' bounding box, or if the box becomes much smaller, all points of the surface are centred again and
+    /// uploaded. Edges shared with other surfaces then differ from theirs by rounding.
     ///
     /// # Errors
-    /// An index out of range, a point that is not finite, a weight that is not above 0; the surface stays
-    /// as it was.
+    /// An index out of range, a point that is not finite, or a weight that is not above 0; the surface stays
+    /// unchanged.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
         self.surface.set_control_point(point, index)?;
         self.control_points.write(index, point);
@@ -123,19 +123,19 @@ impl PreparedSurface {
         Ok(())
     }
 
-    /// Gives the surface a picture; several surfaces may share one.
+    /// Sets the surface's texture; several surfaces may share one.
     pub fn set_texture(&mut self, texture: Rc<Texture>) {
         self.texture = texture;
         self.revision.rest = new_number();
     }
 
-    /// Chooses the lighting.
+    /// Sets the shading model.
     pub fn set_shading(&mut self, shading: Shading) {
         self.surface.shading = shading;
         self.revision.rest = new_number();
     }
 
-    /// Chooses what need not be drawn.
+    /// Sets which patches may be culled.
     pub fn set_cull(&mut self, cull: Cull) {
         self.surface.cull = cull;
         self.revision.rest = new_number();
@@ -144,21 +144,21 @@ impl PreparedSurface {
     /// Replaces all trims and their switches.
     ///
     /// # Errors
-    /// A shape that its constructor refuses, too many segments; the surface stays as it was.
+    /// A shape that its constructor rejects, or too many segments; the surface stays unchanged.
     pub fn set_trims(&mut self, trims: Trims) -> Result<()> {
         trims.check()?;
         *self.trims_mut() = trims;
         Ok(())
     }
 
-    /// The trims, to be changed into others that are valid.
+    /// The trims, for in-place changes. The new trims must be valid.
     pub(crate) fn trims_mut(&mut self) -> &mut Trims {
         self.uploaded_trims = UploadedTrims::default();
         self.revision.rest = new_number();
         &mut self.surface.trims
     }
 
-    /// Brings what a method needs for the trims to the GPU, if it is not there yet.
+    /// Uploads the trim data that a method needs, if it is not up to date.
     pub(crate) fn upload_trims(&mut self, gl: &Gl, settings: &RenderSettings) -> Result<()> {
         self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
     }
@@ -179,7 +179,7 @@ impl PreparedSurface {
         &self.control_points
     }
 
-    /// The uploaded form of the trims, as far as it is needed.
+    /// The uploaded form of the trims; it holds only the data needed until now.
     pub(crate) const fn uploaded_trims(&self) -> &UploadedTrims {
         &self.uploaded_trims
     }
@@ -192,19 +192,19 @@ impl PreparedSurface {
         self.revision
     }
 
-    /// From the driver's control points to world space.
+    /// The matrix from the driver's control points to world space.
     pub(crate) fn points_to_world(&self) -> DMat4 {
         self.surface.transform * self.control_points.centering().to_model()
     }
 
-    /// Control points, cones and trims at once, for the pass that uses them together.
+    /// Borrows control points, cones and trims together, for the planning pass.
     pub(super) fn for_plan(&mut self) -> (&[DVec4], &[NormalCone], &mut UploadedTrims) {
         (self.surface.control_points(), &self.cones, &mut self.uploaded_trims)
     }
 }
 
 impl Paint {
-    /// The texture that shows this paint: the picture, or one texel of the colour.
+    /// Uploads this paint as a texture: the image, or one texel of the colour.
     ///
     /// # Errors
     /// As [`Texture::new`].

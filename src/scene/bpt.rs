@@ -1,8 +1,8 @@
 //! `.bpt` files: a count of patches, then for each patch two integers and its points, row by row.
 //!
-//! Several dialects are about. The integers are degrees (`3 3` before 16 points) or numbers of points
-//! (`4 4` before 16 points), and they stand before each patch or once before all of them; only the number of
-//! values that follow tells which.
+//! There are several dialects. The integers are degrees (`3 3` before 16 points) or numbers of points (`4 4` before
+//! 16 points), and they stand before each patch or once before all patches. Only the number of the values that follow
+//! shows which dialect a file uses.
 
 use std::path::Path;
 
@@ -28,15 +28,15 @@ const DIALECTS: [Dialect; 4] = [
     Dialect { counts: true, once: true },
 ];
 
-/// A fault and the number of the value where it shows.
+/// An error, and the number of the value where it was found.
 struct Fault {
     value: usize,
     message: String,
-    /// Values that would be needed to read on.
+    /// The number of values that are missing to read on.
     missing: usize,
 }
 
-/// Surfaces of the patches in file order; neighbours of one degree share a surface.
+/// The surfaces of the patches in file order. Consecutive patches of the same degree share a surface.
 pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Surface>> {
     numbers(text).and_then(|values| surfaces(&values)).map_err(|fault| Error::Scene {
         path: path.to_owned(),
@@ -58,7 +58,7 @@ fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
         .collect()
 }
 
-/// At most 20 characters, so that a binary file makes no page of an error.
+/// The first 20 characters of a word, so that a binary file does not make an error message of a whole page.
 pub(super) fn shortened(word: &str) -> String {
     word.chars().take(20).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
@@ -80,8 +80,9 @@ fn surfaces(values: &[f64]) -> Result<Vec<Surface>, Fault> {
                 patches = Some(found);
                 break;
             }
-            // No dialect fits. The error is of the one that reads further, or lacks less of the last
-            // patch. Integers before each patch are what most files have.
+            // If no dialect fits, the error is that of the dialect that reads furthest, or that lacks the fewest
+            // values of the last patch. Most files have integers before each patch, so the errors of these dialects
+            // are preferred.
             Err(fault) if dialect.once && best.is_some() => drop(fault),
             Err(fault) => {
                 let reach = |fault: &Fault| (fault.value, std::cmp::Reverse(fault.missing));
@@ -130,7 +131,7 @@ struct PatchValues {
     start: usize,
 }
 
-/// The patches if the whole file reads in this dialect.
+/// The patches, if the whole file can be read in this dialect.
 fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
     let fault = |value, message: String| Err(Fault { value, message, missing: 0 });
     let Some(count) = values.first().copied().and_then(whole) else {
@@ -192,7 +193,7 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
     Ok(patches)
 }
 
-/// A whole number from 1 that an index can hold.
+/// The value as an index, if it is a whole number of at least 1 and not too large.
 fn whole(value: f64) -> Option<usize> {
     (value >= 1.0 && value.fract() == 0.0 && value < 2f64.powi(48)).then_some(value as usize)
 }

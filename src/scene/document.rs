@@ -1,4 +1,4 @@
-//! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every fault names its line.
+//! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every error names its line.
 
 mod trims;
 
@@ -29,13 +29,13 @@ use crate::thesis::newton::Newton;
 use crate::trim::Keep;
 use trims::{PlacedTrims, TrimPlaces};
 
-/// The most bytes of one `[[surface]]` with its trims, not counting what long strings have beyond
-/// `MAX_STRING_BYTES`. The toml crate takes up to 250 times as much memory; a control net that is
-/// larger has its place in a .bpt file, a long trim in a `path`.
+/// The maximum number of bytes of one `[[surface]]` with its trims. Of each string, only the first `MAX_STRING_BYTES`
+/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt file, a
+/// long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 const MAX_STRING_BYTES: usize = 64;
 
-/// Parses a scene; `path` is for the errors and for the folder of the files it names.
+/// Parses a scene; `path` appears in error messages, and files that the scene names are found relative to its folder.
 ///
 /// Each `[[surface]]` is parsed separately, so that the memory grows with the largest of them and not
 /// with the file.
@@ -69,10 +69,10 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         return Err(builder.at(0, nothing));
     }
     let Stage { mut settings, up, light } = stage.unwrap_or_default();
-    // A scene without a camera has no place of its own in the world: the lamps go with the eye.
+    // Without a camera, a scene has no viewpoint of its own, so the lights move with the eye.
     let framed = if camera.is_some() { Light::World } else { Light::Camera };
     settings.light = light.unwrap_or(framed);
-    // Patches of a file stand as they do by themselves.
+    // A scene of nothing but `.bpt` files is oriented as these files are on their own.
     let of_files = meshes.is_empty() && surfaces.len() == builder.from_files;
     let up = up.unwrap_or(if of_files { UpAxis::Z } else { UpAxis::Y }).direction();
     if settings.method == Method::Thesis {
@@ -102,7 +102,7 @@ fn chunks(text: &str) -> Vec<Range<usize>> {
 /// Checks the size of the text of a surface.
 ///
 /// # Errors
-/// A text that is longer than what is read.
+/// A text that is longer than the limit.
 pub(super) fn check_surface(text: &str) -> Result<()> {
     let size = bytes_that_count(text);
     if size > MAX_SURFACE_BYTES {
@@ -118,7 +118,7 @@ pub(super) fn check_surface(text: &str) -> Result<()> {
     Ok(())
 }
 
-/// The bytes of a TOML text, of its strings no more than the first ones.
+/// The number of bytes of a TOML text; of each string, only the first `MAX_STRING_BYTES` bytes count.
 fn bytes_that_count(text: &str) -> usize {
     let mut rest = text;
     let mut count = 0;
@@ -138,7 +138,8 @@ fn bytes_that_count(text: &str) -> usize {
     count + rest.len()
 }
 
-/// The length of a string up to and with its closing quote; without one, of its line or of the rest.
+/// The length of a string including its closing quote. If there is none, the string ends with its line or with the
+/// text.
 fn length_of_string(text: &str, quote: &str) -> usize {
     let escapes = quote.starts_with('"');
     let mut escaped = false;
@@ -159,13 +160,13 @@ fn length_of_string(text: &str, quote: &str) -> usize {
 struct Builder<'a> {
     text: &'a str,
     path: &'a Path,
-    /// Instead of what the meshes' tables say.
+    /// Overrides the crease angles of the meshes' tables.
     crease: Option<CreaseAngle>,
-    /// Where the part begins that is parsed now; spans count from there.
+    /// The offset of the chunk that is being parsed; spans are relative to it.
     chunk: usize,
     textures: HashMap<PathBuf, Arc<Image>>,
     files: Vec<PathBuf>,
-    /// How many surfaces are of `.bpt` files.
+    /// How many surfaces come from `.bpt` files.
     from_files: usize,
 }
 
@@ -179,7 +180,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Checks a value, giving a fault the line where the value stands.
+    /// Checks a value; an error gets the line of the value.
     fn check<T, U>(&self, value: Spanned<T>, check: impl FnOnce(T) -> Result<U>) -> Result<U> {
         let start = value.span().start;
         check(value.into_inner()).map_err(|error| self.at(start, error))
@@ -191,7 +192,7 @@ impl Builder<'_> {
             .map_err(|error| self.at(error.span().map_or(0, |span| span.start), error.message()))
     }
 
-    /// Takes a table that a scene has at most once.
+    /// Converts a table that a scene may have only once.
     fn once<T, U>(
         &self,
         name: &str,
@@ -215,8 +216,8 @@ impl Builder<'_> {
         self.path.parent().unwrap_or_else(|| Path::new("")).join(file)
     }
 
-    /// The surface of one table, several if its file holds patches of two degrees, and where its trims
-    /// stand.
+    /// The surfaces of one table, and where its trims are in the text. There is more than one surface if the table's
+    /// file contains patches of two degrees.
     fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, TrimPlaces)> {
         let start = table.span().start;
         let table = table.into_inner();
@@ -261,7 +262,7 @@ impl Builder<'_> {
                 Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
             return Err(self.at(start, borderless));
         }
-        // Trims may be large: one surface takes them as they are.
+        // Trims may be large, so one surface takes them without a copy.
         let (first, others) = surfaces.split_first_mut().expect("a file has a patch");
         for surface in others {
             surface.trims = trims.clone();
@@ -420,7 +421,7 @@ fn unit_range<const N: usize>(name: &str, values: [f32; N]) -> Result<[f32; N]> 
     }
 }
 
-/// The place in the world: the first three rows of a matrix, or what [`transform`] takes.
+/// The transform to world space, given as the first three rows of a matrix or by the arguments of [`transform`].
 fn placed(
     translate: Option<DVec3Value>,
     rotate_degrees: Option<DVec3Value>,

@@ -1,14 +1,14 @@
-//! Files of scenes: reading them whole, and where in them something is.
+//! Reads the files of scenes, and finds the line of a byte offset.
 
 use std::io::Read as _;
 use std::path::Path;
 
 use crate::error::{Cause, Error, Result};
 
-/// Scene files beyond this size are refused, so that a wrong file cannot eat the memory.
+/// Scene files beyond this size are refused, so that a wrong file cannot exhaust the memory.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 
-/// The mark that some editors write before a text.
+/// The byte order mark that some editors write at the beginning of a text.
 pub(super) const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// The extension in lower case, without the dot.
@@ -31,7 +31,7 @@ pub(super) fn check_is_file(path: &Path) -> Result<()> {
     }
 }
 
-/// The bytes of a file, refused by name if it is no file or too large.
+/// The bytes of a file. Anything that is not a file or is too large is refused, with its name in the error.
 pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     check_is_file(path)?;
     let mut bytes = Vec::new();
@@ -44,8 +44,8 @@ pub(super) fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of a scene file without a byte order mark, refused by name if it is no file, too large, empty or
-/// no UTF-8.
+/// The text of a scene file without a byte order mark. Anything that is not a file, is too large, is empty or is not
+/// UTF-8 is refused, with its name in the error.
 pub(super) fn read_text(path: &Path) -> Result<String> {
     let fail = |reason: String| unreadable(path, reason);
     let bytes = read_bytes(path)?;

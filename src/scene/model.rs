@@ -12,14 +12,14 @@ use crate::mesh::{
     Alpha, CurvedTriangle, HalfedgeMesh, Mesh, PhongTriangle, PnTriangle, SmoothTriangle, Smoothing,
 };
 
-/// A triangle mesh with its place and paint, drawn as a smooth surface by either method.
+/// A triangle mesh with its transform and paint, drawn as a smooth surface by either method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshModel {
     mesh: Arc<HalfedgeMesh>,
     smoothing: Smoothing,
     /// The corners of a box around the surface, in model space.
     hull: [DVec3; 2],
-    /// The level of all its triangles, instead of the scene's level or tolerance.
+    /// The tessellation level of all its triangles, instead of the scene's level or tolerance.
     pub level: Option<TessLevel>,
     /// Model space to world space.
     pub transform: DMat4,
@@ -98,14 +98,14 @@ impl MeshModel {
         })
     }
 
-    /// Points of the surface in world space: corners, and of smooth triangles the middles of edges and of the
-    /// triangles themselves.
+    /// Points of the surface in world space: the corners and, for smooth triangles, the middles of the edges and of
+    /// the triangles.
     pub(super) fn samples(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
         const THIRD: f64 = 1.0 / 3.0;
         const PLACES: [[f64; 3]; 4] =
             [[0.5, 0.5, 0.0], [0.0, 0.5, 0.5], [0.5, 0.0, 0.5], [THIRD, THIRD, THIRD]];
         let mesh = self.mesh.mesh();
-        // Each corner once, however many triangles have it.
+        // Each corner counts once, even if several triangles share it.
         let mut is_corner = vec![false; mesh.positions().len()];
         for corner in mesh.triangles().iter().flatten() {
             is_corner[corner.position as usize] = true;
@@ -137,7 +137,7 @@ fn hull(mesh: &HalfedgeMesh, smoothing: Smoothing) -> [DVec3; 2] {
     }))
 }
 
-/// A smooth surface over a triangle, of either kind. Meshes without smoothing are Phong's with α = 0.
+/// A smooth surface over a triangle, of either kind. Meshes without smoothing use Phong tessellation with α = 0.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Curved {
     Pn(PnTriangle),
@@ -153,7 +153,7 @@ impl Curved {
         }
     }
 
-    /// Hands on its 10 or 6 control points.
+    /// Passes its 10 or 6 control points to a function.
     pub(crate) fn with_control_points<T>(&self, use_them: impl FnOnce(&[DVec3]) -> T) -> T {
         match self {
             Self::Pn(triangle) => use_them(&triangle.control_points()),

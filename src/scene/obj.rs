@@ -1,7 +1,7 @@
 //! Wavefront OBJ: triangle meshes with their materials, and Bézier surfaces.
 //!
-//! The reader is our own because tobj 4.0.5 gives no line with its errors, takes NaN, index 0 of a
-//! normal and faces of two, panics on some indices, reads lines of any length into memory, and
+//! The parser is our own because tobj 4.0.5 has several problems. Its errors have no line. It accepts NaN, index 0 of
+//! a normal, and faces of two corners. It panics on some indices and reads lines of any length into memory. It
 //! numbers positions group by group, which tears meshes of several groups apart.
 
 mod freeform;
@@ -24,7 +24,7 @@ use reader::Obj;
 
 /// The content of a file.
 pub(super) struct ObjScene {
-    /// Its Bézier surfaces, patches of one degree together.
+    /// Its Bézier surfaces; patches of the same degree share a surface.
     pub(super) surfaces: Vec<Surface>,
     /// Its faces.
     pub(super) model: Option<MeshModel>,
@@ -37,7 +37,7 @@ pub(super) fn load(path: &Path, crease: CreaseAngle, smoothing: Smoothing) -> Re
     scene_of(open(path)?, path, crease, smoothing)
 }
 
-/// The same of a text; `path` stands in the errors, and libraries are looked for beside it.
+/// The same for a text; `path` appears in error messages, and material libraries are searched for beside it.
 pub(super) fn parse(
     text: &str,
     path: &Path,
@@ -47,7 +47,7 @@ pub(super) fn parse(
     scene_of(Obj::read(text.as_bytes(), path)?, path, crease, smoothing)
 }
 
-/// Whether a text begins with a statement of OBJ, behind comments.
+/// Whether a text begins with a statement of OBJ, after any comments.
 pub(super) fn is_obj(text: &str) -> bool {
     const KEYWORDS: [&str; 14] =
         ["v", "vn", "vt", "vp", "f", "l", "p", "o", "g", "s", "mtllib", "usemtl", "cstype", "deg"];
@@ -81,7 +81,7 @@ fn scene_of(
     if !model.mesh().mesh().colors().is_empty() {
         model.paint = Paint::Color([1.0; 3]);
     }
-    // To count them takes time.
+    // Counting them takes time.
     if log::log_enabled!(log::Level::Info) {
         let shared = model.mesh().shared_borders();
         if shared != SharedBorders::default() {
@@ -116,7 +116,7 @@ pub(super) fn load_surfaces(path: &Path) -> Result<Vec<Surface>> {
     Ok(surfaces)
 }
 
-/// Triangles in a row of one material.
+/// Consecutive triangles of one material.
 #[derive(Debug, Clone, Copy)]
 struct Run {
     material: u32,
@@ -130,7 +130,7 @@ fn open(path: &Path) -> Result<Obj> {
     Obj::read(BufReader::with_capacity(1 << 16, file), path)
 }
 
-/// The mesh of what was read, its triangles in the order of their materials.
+/// The mesh of the faces that were read, with its triangles in the order of their materials.
 fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>)> {
     if obj.triangles.is_empty() {
         return Err(unreadable(path, obj.without_faces()));
@@ -177,7 +177,7 @@ fn mesh_of(obj: Obj, path: &Path, crease: CreaseAngle) -> Result<(Mesh, Vec<Run>
     Ok((mesh, runs))
 }
 
-/// A number of things: "1 line", "3 surfaces".
+/// A count with its noun: "1 line", "3 surfaces".
 fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
@@ -186,22 +186,22 @@ impl Mesh {
     /// Reads the faces of a Wavefront OBJ file; see [`Mesh::read_obj`].
     ///
     /// # Errors
-    /// A file that cannot be read or is no mesh; with the line.
+    /// A file that cannot be read or is not a mesh; with the line.
     pub fn load_obj(path: &Path, crease: CreaseAngle) -> Result<Self> {
         mesh_of(open(path)?, path, crease).map(|(mesh, _)| mesh)
     }
 
-    /// Reads the faces of Wavefront OBJ, without their materials. `path` stands in the errors.
+    /// Reads the faces of Wavefront OBJ, without their materials. `path` appears in error messages.
     ///
-    /// Faces of more than three corners may be concave, and are cut into triangles that keep their edges. Equal
-    /// positions are made one; triangles that have the same position twice are left out. Missing normals are
-    /// computed up to creases, as in [`Mesh::new`]. A byte order mark is skipped, a line that ends in `\` goes
-    /// on, and indices may be of what stands further down.
+    /// Faces of more than three corners may be concave; they are cut into triangles that keep the edges of the face.
+    /// Equal positions are merged; triangles that have the same position twice are left out. Missing normals are
+    /// computed up to creases, as in [`Mesh::new`]. A byte order mark is skipped. A line that ends in `\` continues
+    /// on the next line. Indices may refer to elements further down in the file.
     ///
     /// # Errors
-    /// With the line: a line of more than 1 MiB, a number that is malformed or not finite, a position
-    /// beyond 1e15, a face of fewer than three corners, an index of 0 or of what is not there. Without: no
-    /// face, too many of them.
+    /// With the line: a line of more than 1 MiB, a number that is malformed or not finite, a position beyond 1e15, a
+    /// face of fewer than three corners, an index of 0 or of an element that does not exist, too many faces. Without
+    /// the line: no face, too many vertices.
     pub fn read_obj(text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
         mesh_of(Obj::read(text, path)?, path, crease).map(|(mesh, _)| mesh)
     }
@@ -226,7 +226,7 @@ impl Mesh {
         for corners in self.triangles() {
             out.write_all(b"f")?;
             for Corner { position, normal, coordinate } in corners {
-                // Files count from 1.
+                // Indices in files start at 1.
                 let (position, normal) = (position + 1, normal + 1);
                 if *coordinate == Corner::NONE {
                     write!(out, " {position}//{normal}")?;

@@ -18,7 +18,7 @@ pub struct RenderSettings {
     pub method: Method,
     /// Samples per pixel.
     pub samples: Samples,
-    /// How finely patches are cut.
+    /// How finely patches are tessellated.
     pub tessellation: Tessellation,
     /// Where the exact method evaluates normals.
     pub normals: Normals,
@@ -26,7 +26,7 @@ pub struct RenderSettings {
     pub light: Light,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
-    /// Lines are the report's red instead of the surface's colour.
+    /// Lines have the report's red instead of the surface's colour.
     pub red_lines: bool,
     /// Control points as blue squares on top.
     pub control_points: bool,
@@ -82,7 +82,7 @@ impl TessLevel {
     /// The highest level.
     pub const MAX: Self = Self(64);
 
-    /// The lowest: patches and triangles stay as they are.
+    /// The lowest level: patches and triangles are not subdivided.
     pub const ONE: Self = Self(1);
 
     /// A level from an integer.
@@ -197,20 +197,20 @@ pub enum Light {
     /// The thesis' lamps: 10 units above and below the world's origin, at y = 10 and y = −10.
     #[default]
     World,
-    /// They move with the camera: one is to the left of the eye and above it, the other one opposite, both
-    /// far away. So a model looks the same at any size and place.
+    /// The lights move with the camera: one is to the left of the eye and above it, the other one is opposite, and
+    /// both are far away. So a model is lit in the same way at any size and place.
     Camera,
 }
 
 impl Light {
     /// The height of the thesis' lamps.
     const HEIGHT: f64 = 10.0;
-    /// Where the light to the left and above comes from, in view space; of length 1.
+    /// The direction towards the light to the left and above, in view space; a unit vector.
     const ABOVE: DVec3 = DVec3::new(-0.45, 0.6, 0.661_437_827_766_147_8);
-    /// How many times as far those lights are as the farthest thing.
+    /// The distance of those lights, as a multiple of the distance of the farthest object.
     const FAR: f64 = 1000.0;
 
-    /// The places of both lights in view space.
+    /// The positions of both lights in view space.
     pub(crate) fn positions(self, projection: &ViewProjection) -> [DVec3; 2] {
         match self {
             Self::World => [Self::HEIGHT, -Self::HEIGHT]

@@ -1,4 +1,4 @@
-//! Surfaces of a scene: patches with their place, look and trims.
+//! Surfaces of a scene: patches with their transform, style and trims.
 
 use std::sync::Arc;
 
@@ -39,11 +39,11 @@ impl Default for Paint {
 /// Which sides of a surface need not be drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Cull {
-    /// Both are drawn.
+    /// Both sides are drawn.
     #[default]
     None,
-    /// Patches that completely show their back are left out, for closed surfaces. The back is the side from which u
-    /// and v turn clockwise. Only the exact method does this.
+    /// Patches that show only their back are left out; this is meant for closed surfaces. The back is the side from
+    /// which the turn from u to v is clockwise. Only the exact method does this.
     Back,
 }
 
@@ -61,7 +61,7 @@ pub struct Surface {
     pub shading: Shading,
     /// Its trims.
     pub trims: Trims,
-    /// Which patches are left out because of their direction.
+    /// Which patches are left out because of their orientation.
     pub cull: Cull,
 }
 
@@ -69,8 +69,8 @@ impl Surface {
     /// Patches of 16 or 25 control points (x, y, z, weight), patch after patch.
     ///
     /// # Errors
-    /// No point, a number that is not a multiple of the patch size, a point that is not finite, a
-    /// weight that is not above 0; points count from 0.
+    /// No point, a number that is not a multiple of the patch size, a point that is not finite, a weight that is not
+    /// above 0. Points are numbered from 0.
     pub fn new(degree: Degree, control_points: Vec<DVec4>) -> Result<Self> {
         if control_points.is_empty() || !control_points.len().is_multiple_of(degree.points()) {
             return Err(Error::invalid(
@@ -149,7 +149,7 @@ impl Surface {
             })
     }
 
-    /// Control points in world space, without their weights. The surface lies in their hull.
+    /// Control points in world space, without their weights. The surface lies in their convex hull.
     pub fn world_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
         self.control_points.iter().map(|point| self.transform.transform_point3(point.truncate()))
     }
@@ -167,7 +167,7 @@ pub fn default_control_points() -> Vec<DVec4> {
         .collect()
 }
 
-/// Checks a matrix that places something in the world.
+/// Checks a matrix from model space to world space.
 pub(crate) fn check_transform(matrix: &DMat4) -> Result<()> {
     for column in [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis] {
         check_coordinates("model matrix", column.truncate())?;

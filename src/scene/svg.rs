@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::Result;
 use crate::trim::TrimPath;
 
-/// The paths of a document, and the names of what was not taken.
+/// The paths of a document, and the names of the features that were ignored.
 #[cfg(feature = "svg")]
 pub(super) fn load(path: &Path) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
     let text = super::file::read_text(path)?;

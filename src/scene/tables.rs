@@ -1,4 +1,4 @@
-//! The tables of a `.toml` scene as their text has them, before anything is checked.
+//! The tables of a `.toml` scene as they are in the text, before anything is checked.
 
 use glam::DVec4;
 use serde::Deserialize;
@@ -145,7 +145,7 @@ impl From<ShadingName> for Shading {
     }
 }
 
-/// One kind of trim, and the rule of a path.
+/// One kind of trim, and the fill rule of a path.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct TrimTable {
@@ -230,7 +230,7 @@ impl<'de> Deserialize<'de> for ControlPoints {
     }
 }
 
-/// One point; the weight is 1 where it is not given.
+/// One point; the weight is 1 if it is not given.
 struct ControlPoint(DVec4);
 
 impl<'de> Deserialize<'de> for ControlPoint {

@@ -1,4 +1,4 @@
-//! Pictures for surfaces: PNG, JPEG and BMP files, told apart by their first bytes.
+//! Pictures for surfaces: PNG, JPEG and BMP files, recognized by their first bytes.
 
 use std::io::{BufReader, Cursor};
 use std::path::Path;
@@ -13,16 +13,17 @@ use crate::error::{Cause, Error, Result};
 const FORMATS: [ImageFormat; 3] = [ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::Bmp];
 /// The width and height that every OpenGL 4.5 driver can hold in a texture.
 const MAX_SIDE: u32 = 16_384;
-/// The most pixels: 256 MiB in memory. A small file can hold a picture that fills any memory.
+/// The maximum number of pixels: 256 MiB in memory. Without a limit, a small file could hold a picture that exhausts
+/// the memory.
 const MAX_PIXELS: u64 = 64 << 20;
-/// Bytes that decoding may take: 16 bits for each of four channels of a pixel.
+/// The maximum number of bytes that decoding may allocate: 16 bits for each of four channels of a pixel.
 const MAX_BYTES: u64 = 8 * MAX_PIXELS;
 
-/// Reads a picture, turned as its file says (EXIF).
+/// Reads a picture, and applies the orientation that its file gives (EXIF).
 ///
 /// # Errors
-/// A file that cannot be read, is no PNG, JPEG or BMP picture, or is larger than 16,384 pixels a
-/// side or 64 million in all.
+/// A file that cannot be read, is not a PNG, JPEG or BMP picture, or is larger than 16,384 pixels a side or 64
+/// million in all.
 pub fn load_texture(path: &Path) -> Result<Image> {
     let fail = |cause: Cause| Error::file("read", path, cause);
     let metadata = std::fs::metadata(path).map_err(|error| fail(error.into()))?;
@@ -33,7 +34,7 @@ pub fn load_texture(path: &Path) -> Result<Image> {
         ImageReader::open(path)?.with_guessed_format()
     };
     let reader = open().map_err(|error| fail(error.into()))?;
-    // The program can write other formats, and so could read them.
+    // The image library also reads other formats, because the program writes them.
     if let Some(format) = reader.format().filter(|format| !FORMATS.contains(format)) {
         return Err(fail(format!("no PNG, JPEG or BMP picture (it is {format:?})").into()));
     }
@@ -57,14 +58,14 @@ pub fn load_texture(path: &Path) -> Result<Image> {
     limits.max_alloc = Some(MAX_BYTES);
     reader.limits(limits);
     let mut decoder = reader.into_decoder().map_err(|error| fail(error.into()))?;
-    // How a camera was held stands beside the pixels.
+    // The orientation of the camera is stored beside the pixels.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut picture = DynamicImage::from_decoder(decoder).map_err(|error| fail(error.into()))?;
     picture.apply_orientation(orientation);
     Ok(picture.into_rgba8())
 }
 
-/// The brick picture of `resources/textures`, which travels inside the library.
+/// The brick picture of `resources/textures`, which is embedded in the library.
 pub(super) fn brick() -> Image {
     let bytes = include_bytes!("../../resources/textures/brick.png");
     ImageReader::with_format(Cursor::new(bytes), image::ImageFormat::Png)
@@ -77,8 +78,7 @@ pub(super) fn brick() -> Image {
 mod tests {
     use super::*;
 
-    /// A JPEG of 16 × 8 pixels, red to the left and blue to the right, with an EXIF block that says how it is to
-    /// be turned.
+    /// A JPEG of 16 × 8 pixels, red to the left and blue to the right, with an EXIF block that gives its orientation.
     fn jpeg(orientation: u8) -> Vec<u8> {
         let color = |x| if x < 8 { [255, 0, 0] } else { [0, 0, 255] };
         let image = image::RgbImage::from_fn(16, 8, |x, _| image::Rgb(color(x)));
@@ -99,7 +99,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.jpg");
         let is_red = |pixel: &image::Rgba<u8>| pixel.0[0] > 200 && pixel.0[2] < 60;
-        // Where red lies in the picture as it is to be seen.
+        // The size of the picture after it is turned, and where red and blue lie in it.
         for (orientation, size, red, blue) in [
             (1, (16, 8), (2, 4), (13, 4)),
             (2, (16, 8), (13, 4), (2, 4)),

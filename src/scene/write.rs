@@ -1,7 +1,7 @@
 //! A scene as the text of a `.toml` file that draws the same picture.
 //!
-//! Numbers are written with as many digits as it takes to read the same number again. Patches, meshes and
-//! pictures that a file of the scene still holds are named; others need files beside the text.
+//! Numbers are written with enough digits to read the same number back. Patches, meshes and pictures that a file of
+//! the scene still contains are referred to by the name of that file; others need files beside the text.
 
 use std::fmt::Write as _;
 use std::io::Cursor;
@@ -22,7 +22,8 @@ use crate::error::{Error, Result};
 use crate::mesh::{CreaseAngle, Mesh, Smoothing};
 use crate::trim::{FillRule, Keep, Segment, TrimLoop, TrimPath, Trims};
 
-/// Loops of more segments together are written as a path, whose length a scene does not limit.
+/// If the loops have more segments than this together, they are written as a path, whose length a scene does not
+/// limit.
 const MANY_SEGMENTS: usize = 200;
 
 /// The text of a scene file, and the files that it needs beside it.
@@ -35,8 +36,8 @@ pub struct SceneText {
 }
 
 impl Scene {
-    /// The text of a `.toml` file at `path` that draws the same picture. Trims that are switched off are
-    /// left out. Files that stand beside it get its name and a number.
+    /// The text of a `.toml` file at `path` that draws the same picture. Trims that are switched off are left out.
+    /// Files beside it get its name and a number.
     ///
     /// # Errors
     /// A picture that cannot be encoded; more trims than the text of a surface can hold.
@@ -69,7 +70,7 @@ struct Writer<'a> {
     sources: &'a [PathBuf],
     /// Pictures that have a name already.
     pictures: Vec<(Arc<Image>, String)>,
-    /// The SVG files among the sources and what they fill; none before it is asked.
+    /// The SVG files among the sources, with their paths; `None` until they are needed.
     documents: Option<Vec<(PathBuf, Vec<TrimPath>)>>,
     out: SceneText,
 }
@@ -274,7 +275,7 @@ impl Writer<'_> {
         Ok(name)
     }
 
-    /// Adds a file beside the text; its name as the text has it.
+    /// Adds a file beside the text, and returns its name as a TOML string.
     fn beside(&mut self, extension: &str, bytes: Vec<u8>) -> String {
         let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{stem}-{}.{extension}", self.out.files.len() + 1);
@@ -282,7 +283,7 @@ impl Writer<'_> {
         quoted(&name)
     }
 
-    /// The name of a file as the text has it: from the text's folder, or from the root.
+    /// The name of a file as a TOML string: relative to the text's folder, or absolute.
     fn name(&self, file: &Path) -> String {
         let folder = self.path.parent().unwrap_or_else(|| Path::new(""));
         let name = match file.strip_prefix(folder) {
@@ -324,7 +325,8 @@ impl Writer<'_> {
         self.paths(&trims.paths[..trims.paths.len().min(on(trims.loops_on))]);
     }
 
-    /// Paths as the documents that they are of, as long as these fill the same; else each by itself.
+    /// Writes paths. Consecutive paths that an SVG file of the scene contains are written as the name of this file,
+    /// all others one by one.
     fn paths(&mut self, mut paths: &[TrimPath]) {
         if paths.is_empty() {
             return;
@@ -403,7 +405,8 @@ fn pair(pair: DVec2) -> String {
     numbers(&pair.to_array())
 }
 
-/// The degrees that become these radians when they are read, if any number does.
+/// The degrees that become exactly these radians when they are read, if there is such a number; otherwise the
+/// nearest.
 fn degrees(radians: f64) -> f64 {
     let near = radians.to_degrees();
     let others = [near, near.next_up(), near.next_down()];

@@ -1,18 +1,18 @@
-//! How far triangles can lie from a patch on the screen, from its control points in clip space
+//! Bounds the screen-space distance between triangles and a patch, from the patch's control points in clip space
 //! (Filip, Magedson, Markot 1986, under perspective and for rational patches).
 //!
 //! Over a triangle that reaches h₁ along u and h₂ along v, linear interpolation of a function g is
 //! off by at most ⅛(h₁²·max|g_uu| + 2h₁h₂·max|g_uv| + h₂²·max|g_vv|), and each second derivative is
-//! at most the largest of its control differences. What is interpolated are homogeneous clip
-//! coordinates (x, y, w), those of a rational patch not divided by its weight. For a point S of the
-//! surface, the triangle's point L of the same (u, v), ξ = x/w and δ = S − L,
+//! at most the largest of its control differences. The interpolated quantities are homogeneous clip coordinates (x,
+//! y, w); those of a rational patch are not divided by its weight. For a point S of the surface, the triangle's point
+//! L at the same (u, v), ξ = x/w and δ = S − L,
 //!
 //! ```text
 //! ξ_S − ξ_L = (δx − ξ_L·δw) / S_w
 //! ```
 //!
-//! exactly, so that it is enough to bound the polynomials δx − ξ·δw and δy − η·δw for all ξ and η that
-//! can be seen. They are convex in ξ and η: the ends of the range decide.
+//! exactly. It is therefore enough to bound the polynomials δx − ξ·δw and δy − η·δw for all visible ξ and η. They are
+//! convex in ξ and η, so their maxima lie at the ends of the range.
 
 mod net;
 mod number;
@@ -26,20 +26,21 @@ pub(crate) use together::{Candidate, Need, TOGETHER, needs_of};
 
 use crate::camera::ViewProjection;
 
-/// Two units in the last place of an `f32` near 1. The evaluation of a patch was found to be off by at
-/// most 1.6 units of the sizes that [`Rounding`] adds up.
+/// Two units in the last place of an `f32` near 1. The measured evaluation error of a patch was at most 1.6 units of
+/// the magnitudes that [`Rounding`] adds up.
 const ROUNDING_UNIT: f64 = 1.0 / (1 << 23) as f64;
-/// Rasterisers move vertices to 1/256 of a pixel.
+/// Rasterizers snap vertices to 1/256 of a pixel.
 pub(super) const SUBPIXEL: f64 = 0.003;
-/// What the tessellator's fixed-point places can add, as a share of the tolerance.
+/// Leaves room for the error of the tessellator's fixed-point coordinates: the bound uses this share of the
+/// tolerance.
 const SHARE: f64 = 0.99;
 
-/// What the bound needs to know of a picture.
+/// The properties of the image that the bound needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Screen {
-    /// Half of the width and height in pixels: pixels for a unit of x/w and y/w.
+    /// Half of the width and height in pixels: the number of pixels per unit of x/w and y/w.
     half: DVec2,
-    /// The least clip w that the near and the far plane leave of points of weight 1.
+    /// The least clip w between the near and the far plane for points of weight 1.
     near: f64,
     /// Tolerance in pixels.
     tolerance: f64,
@@ -68,7 +69,7 @@ impl Screen {
     }
 }
 
-/// How far rounding in `f32` can move a point of a surface, for one picture: the largest errors of its clip
+/// Bounds how far rounding in `f32` can move a point of a surface, for one image: the largest errors of its clip
 /// coordinates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounding {
@@ -78,7 +79,7 @@ pub(crate) struct Rounding {
 }
 
 impl Rounding {
-    /// For control points within ±`extent` that are multiplied by `to_clip`.
+    /// For control points within ±`extent` that are transformed by `to_clip`.
     pub(crate) fn new(to_clip: &DMat4, extent: f64) -> Self {
         // Rounded control points, a sum of them and a product with a matrix: a few units in the last
         // place of the terms' sizes. Measured errors stay below.
@@ -93,26 +94,26 @@ impl Rounding {
     }
 }
 
-/// How fast a patch turns on the screen: its second derivatives at most, in pixels.
+/// Curvature of a patch on the screen: upper bounds of its second derivatives, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Curvature<T = f64> {
     /// Along u.
     pub(crate) uu: T,
-    /// Along u and v.
+    /// The mixed derivative along u and v.
     pub(crate) uv: T,
     /// Along v.
     pub(crate) vv: T,
 }
 
-/// What the control points of a patch tell about its triangles.
+/// Error bounds derived from the control points of a patch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bound<T = f64> {
     pub(crate) curvature: Curvature<T>,
-    /// How far rounding can move what is seen, in pixels.
+    /// Upper bound of the rounding error at visible points, in pixels.
     pub(crate) rounding: T,
-    /// How many times as far the farthest control point is as the nearest that can be seen.
+    /// Ratio of the depth of the farthest control point to the least visible depth.
     pub(crate) depth_ratio: T,
-    /// The diagonal of what may be seen of it, in pixels.
+    /// Diagonal of the patch's possibly visible region on the screen, in pixels.
     pub(crate) extent: T,
     /// The least clip w of the control points.
     min_depth: T,
@@ -132,32 +133,32 @@ impl<T: Number> Bound<T> {
         }
     }
 
-    /// The largest distance in pixels between the patch and its triangles, with the given cells along
-    /// u and v; infinite where nothing can be said.
+    /// Upper bound of the distance in pixels between the patch and its triangles, with the given cells along u and v;
+    /// infinite where no bound is known.
     #[inline(always)]
     pub(crate) fn error(&self, cells: [T; 2], screen: &Screen) -> T {
         let all = |value| T::all(self.rounding.token(), value);
         let error = self.curvature.error(cells) + self.rounding + all(SUBPIXEL);
-        // Of what reaches before the near plane, the bound holds up to the tolerance alone.
+        // If the patch crosses the near plane, the bound is valid only up to the tolerance.
         let across_near = error.choose_at_most(all(screen.tolerance), [error, all(f64::INFINITY)]);
         all(screen.near).choose_at_most(self.min_depth, [error, across_near])
     }
 
-    /// The cells along u and v that keep the patch within the tolerance, as far as cells can: rounding may
-    /// be beyond it, or nothing may be known of the patch; then there are infinitely many.
+    /// The numbers of cells along u and v that keep the patch within the tolerance, as far as subdivision can:
+    /// rounding may exceed it. They are infinite if no bound is known.
     #[inline(always)]
     pub(crate) fn levels(&self, screen: &Screen) -> [T; 2] {
         let all = |value| T::all(self.rounding.token(), value);
         let tolerance = screen.tolerance;
         let left = all(SHARE * tolerance - SUBPIXEL) - self.rounding;
-        // Where rounding leaves nothing, more triangles do not help.
+        // If rounding uses up the tolerance, more triangles do not help.
         let left = all(0.1 * tolerance).choose_at_most(left, [left, all(0.5 * tolerance)]);
         self.curvature.levels(left)
     }
 }
 
 impl<T: Number> Curvature<T> {
-    /// The largest distance in pixels between the patch and its triangles, `n` of them a side.
+    /// Upper bound of the distance in pixels between the patch and its triangles, with `n` cells a side.
     #[inline(always)]
     pub(crate) fn error(&self, [along_u, along_v]: [T; 2]) -> T {
         let all = |value| T::all(self.uu.token(), value);
@@ -165,28 +166,29 @@ impl<T: Number> Curvature<T> {
         (self.uu * h * h + all(2.0) * self.uv * h * k + self.vv * k * k) * all(0.125)
     }
 
-    /// The least whole levels along u and v whose error is within the tolerance or beyond it by 10⁻⁹ of it,
-    /// as many of one as of the other asks; floating-point numbers, because they may be beyond all bounds.
+    /// The least integer levels along u and v whose error is within the tolerance, or above it by at most 10⁻⁹ of it.
+    /// Each is as large as the other one requires. They are floating-point values because they may be arbitrarily
+    /// large.
     #[inline(always)]
     pub(crate) fn levels(&self, tolerance: T) -> [T; 2] {
         let Self { uu, uv, vv } = *self;
         let all = |value| T::all(uu.token(), value);
         let one = all(1.0);
-        // Levels in the ratio of the roots of the curvatures need the fewest triangles; where the
-        // patch is all twist, any ratio does. A millionth stands for no curvature at all.
+        // Levels in the ratio of the square roots of the curvatures need the fewest triangles. If the patch has only
+        // twist, any ratio does. A curvature of zero is replaced by a small value.
         let twist = all(0.3) * uv.sqrt();
         let (a, b) = (uu.sqrt().larger(twist), vv.sqrt().larger(twist));
-        // With n along u and n·b/a along v.
+        // With level n along u and n·b/a along v.
         let ratio = a / b.larger(all(1e-6) * a).larger(all(f64::MIN_POSITIVE));
         let along_u = (uu + all(2.0) * uv * ratio + vv * ratio * ratio) / (all(8.0) * tolerance);
         let along_u = along_u.sqrt().ceil().larger(one);
-        // What rounding up leaves over serves the other direction: vv/8·k² + uv/(4n)·k ≤ rest. A little
-        // more, so that something is left always.
+        // The tolerance left by rounding up is used in the other direction: vv/8·k² + uv/(4n)·k ≤ rest. A small
+        // margin ensures that the rest stays positive.
         let rest = tolerance * all(1.0 + 5e-10) - uu / (all(8.0) * along_u * along_u);
         let linear = uv / (all(4.0) * along_u);
         let root = (linear * linear + all(0.5) * vv * rest).sqrt();
         let along_v = ((linear + root) / (all(2.0) * rest)).ceil().larger(one);
-        // One level where that is enough, and infinitely many where nothing is known.
+        // Use one level where that is enough, and infinitely many where no bound is known.
         let (flat, sum) = (self.error([one; 2]), uu + uv + vv);
         let along_u = flat.choose_at_most(tolerance, [one, along_u]);
         let along_v = flat.choose_at_most(tolerance, [one, along_v]);
@@ -349,7 +351,7 @@ mod tests {
         Ok(())
     }
 
-    /// What this processor can do, and what older ones can.
+    /// The instruction sets of this processor and of older ones.
     fn processors() -> Vec<Level> {
         let all = Level::new();
         #[cfg(target_arch = "x86_64")]

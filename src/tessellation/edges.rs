@@ -1,5 +1,5 @@
-//! Which patches are neighbours: those that have the control points of an edge in common, in either
-//! direction. Both sides of an edge must be cut at the same places.
+//! Finds neighbouring patches: patches that share the control points of an edge, in either direction. Both sides of
+//! an edge must be divided at the same parameters.
 
 use glam::DVec4;
 
@@ -8,24 +8,24 @@ use crate::bezier::Degree;
 /// The sides of a patch in the order of `gl_TessLevelOuter`: u = 0, v = 0, u = 1, v = 1.
 pub(crate) const SIDES: usize = 4;
 
-/// For each patch, the numbers of its four edges.
+/// For each patch, the indices of its four edges.
 #[derive(Debug, Default)]
 pub(crate) struct EdgeTable {
     edges: Vec<[u32; SIDES]>,
     count: usize,
 }
 
-/// Patches that may share edges: of surfaces with one transform.
+/// Patches that may share edges, because their surfaces have the same transform.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct EdgeSource<'a> {
     pub(crate) degree: Degree,
     /// Control points of all patches.
     pub(crate) points: &'a [DVec4],
-    /// Surfaces of different groups have no edges in common.
+    /// Surfaces of different groups share no edges.
     pub(crate) group: u32,
 }
 
-/// One side of a patch, so that sides can be sorted: those that are equal stand together.
+/// One side of a patch, in a form that can be sorted so that equal sides are adjacent.
 struct Side {
     hash: u64,
     source: u32,
@@ -36,7 +36,7 @@ struct Side {
 }
 
 impl EdgeTable {
-    /// Finds the neighbours among the patches of all sources, which are counted through.
+    /// Finds the neighbours among the patches of all sources. Patches are indexed consecutively over all sources.
     pub(crate) fn new(sources: &[EdgeSource<'_>]) -> Self {
         let mut sides = Vec::new();
         let mut patches = 0;
@@ -59,7 +59,7 @@ impl EdgeTable {
         };
         let mut table = Self { edges: vec![[0; SIDES]; patches], count: 0 };
         for same_hash in sides.chunk_by(|a, b| a.hash == b.hash) {
-            // All of one hash are one edge, but for collisions.
+            // Apart from collisions, all sides with one hash belong to one edge.
             for (i, side) in same_hash.iter().enumerate() {
                 let (group, points) = points_of(side);
                 let known = same_hash[..i].iter().find(|other| {
@@ -80,8 +80,8 @@ impl EdgeTable {
         table
     }
 
-    /// Numbers the edges as the patches come to them: a walk over the patches then walks over the
-    /// edges' memory.
+    /// Renumbers the edges in the order in which the patches first use them, so that iterating over the patches reads
+    /// the edges' memory in order.
     fn renumber(&mut self) {
         let mut numbers = vec![u32::MAX; self.count];
         let mut next = 0;
@@ -99,7 +99,7 @@ impl EdgeTable {
         self.edges[place as usize / SIDES][place as usize % SIDES]
     }
 
-    /// For each source the first of those that it hangs together with by edges in common.
+    /// For each source, the first source that it is connected to through shared edges.
     pub(crate) fn connected(&self, sources: &[EdgeSource<'_>]) -> Vec<usize> {
         let mut first: Vec<usize> = (0..sources.len()).collect();
         fn root(first: &mut [usize], mut source: usize) -> usize {
@@ -126,7 +126,7 @@ impl EdgeTable {
         (0..sources.len()).map(|source| root(&mut first, source)).collect()
     }
 
-    /// How many different edges there are.
+    /// The number of distinct edges.
     pub(crate) const fn count(&self) -> usize {
         self.count
     }
@@ -137,7 +137,7 @@ impl EdgeTable {
     }
 }
 
-/// The control points of a side, from whichever end comes first in a fixed order.
+/// The control points of a side, starting from the end that comes first in a fixed order.
 fn edge(
     degree: Degree,
     points: &[DVec4],
@@ -150,12 +150,12 @@ fn edge(
         2 => (n - 1, n),
         _ => (n * (n - 1), 1),
     };
-    // Weights twice as large make the same curve.
+    // Weights scaled by a common factor describe the same curve.
     let line = (0..n).map(move |i| points[start + i * step]);
     let scale = line.map(|point| point.w).fold(0.0, f64::max).log2().floor().exp2();
     let at = move |i: usize| {
         let point = points[start + i * step];
-        // Adding 0 makes −0 and 0 one.
+        // Adding 0 turns −0 into 0.
         let point = point.truncate().extend(point.w / scale) + DVec4::ZERO;
         point.to_array().map(f64::to_bits)
     };

@@ -1,5 +1,5 @@
-//! A cone that holds all normals of a patch, and from that whether a normal may vanish: found once, before
-//! anything is drawn.
+//! Computes a cone that contains all normals of a patch, and from it whether a normal may vanish. This is done once,
+//! before the first frame.
 //!
 //! A normal is the cross product of two tangents. The tangents of a polynomial patch are positive sums of its
 //! control differences. Those of a rational patch S = A / w have the directions A_u·w − A·w_u, and these are
@@ -10,10 +10,10 @@ use glam::{DVec3, DVec4, Vec3};
 
 use crate::bezier::{Degree, homogeneous, split_slice};
 
-/// How often a patch is halved in each direction until its cone is narrow enough.
+/// The maximum number of times that a patch is halved in each direction to narrow its cone.
 const MAX_SPLITS: u32 = 3;
 
-/// What the evaluation of a patch needs; each kind has shader programs of its own.
+/// The form of evaluation that a patch needs. Each kind has its own shader programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PatchKind {
     /// All weights are 1, and no normal vanishes.
@@ -32,8 +32,8 @@ impl PatchKind {
 /// Normals of a patch, in the space of its control points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NormalCone {
-    /// The largest angle between this direction and any normal Su × Sv is the one below; zero if that is not
-    /// known, because a normal may vanish.
+    /// The largest angle between this direction and any normal Su × Sv has the sine below. The axis is zero if no
+    /// cone is known, because a normal may vanish.
     axis: Vec3,
     /// Sine of the angle.
     sine: f32,
@@ -41,12 +41,12 @@ pub(crate) struct NormalCone {
     is_rational: bool,
 }
 
-/// Where a surface is seen from, in the space of its control points.
+/// The viewpoint of a surface, in the space of its control points.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Eye {
-    /// From a place.
+    /// The eye at a finite position.
     At(DVec3),
-    /// From infinitely far: the direction towards the eye.
+    /// The eye at infinity: the direction towards it.
     Towards(DVec3),
 }
 
@@ -67,14 +67,14 @@ impl NormalCone {
         match net.min_cosine(axis, longest, 0) {
             Some(cosine) => {
                 let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-                // Rounded to the safe side.
+                // Rounded conservatively.
                 Self { axis: axis.as_vec3(), sine: sine as f32 + 1e-5, is_rational }
             }
             None => unknown,
         }
     }
 
-    /// What the patch's evaluation needs.
+    /// The form of evaluation that the patch needs.
     pub(crate) fn kind(&self) -> PatchKind {
         match (self.axis == Vec3::ZERO, self.is_rational) {
             (true, _) => PatchKind::Degenerate,
@@ -88,7 +88,7 @@ impl NormalCone {
         self.is_rational
     }
 
-    /// Whether the whole patch shows its back to the eye: the side from which u and v turn clockwise.
+    /// Whether the whole patch is back-facing: the eye sees the side from which u and v turn clockwise.
     /// `sign` is −1 if the model's matrix mirrors.
     pub(crate) fn faces_away(&self, points: &[DVec4], eye: Eye, sign: f64) -> bool {
         if self.kind() == PatchKind::Degenerate {
@@ -98,8 +98,8 @@ impl NormalCone {
         let away = |to_eye: DVec3| to_eye.dot(axis) < -sine * to_eye.length();
         match eye {
             Eye::Towards(direction) => away(direction),
-            // The places from which all normals turn away form a convex cone around each point: what holds
-            // for the control points holds for the patch, which lies in their hull.
+            // The eye positions from which all normals point away form a convex cone at each point. A property that
+            // holds at the control points therefore holds on the patch, which lies in their convex hull.
             Eye::At(place) => points.iter().all(|point| away(place - point.truncate())),
         }
     }

@@ -4,12 +4,12 @@
 //! of them whatever way a driver stitches edges to insides. An edge has one level, the larger need of
 //! its two sides; a side whose grid is finer moves its vertices to the edge's places, towards the
 //! middle of the side, as its diagonals point. Both sides then have the same vertices, and no
-//! triangle reaches further than a level of the edge (`glsl/exact/surface.tese`). That much is taken of
-//! the driver: equal levels make a regular grid whose diagonals point to the middle, as Direct3D asks for
-//! and Mesa does; OpenGL leaves it open.
+//! triangle extends further than a level of the edge (`glsl/exact/surface.tese`). The method assumes one thing of the
+//! driver: equal levels make a regular grid whose diagonals point to the middle. Direct3D requires this and Mesa does
+//! it; OpenGL does not specify it.
 //!
-//! A patch that needs more than 16 cells a side is drawn in 2ⁱ × 2ʲ sub-patches, each bounded by itself;
-//! levels of its edges are multiples of 2ⁱ and 2ʲ.
+//! A patch that needs more than 16 cells a side is drawn as 2ⁱ × 2ʲ sub-patches, each with its own bound. The levels
+//! of its edges are multiples of 2ⁱ and 2ʲ.
 
 mod splitting;
 #[cfg(test)]
@@ -29,43 +29,43 @@ use crate::bezier::Degree;
 use crate::scene::TessLevel;
 use splitting::Leaf;
 
-/// The most cells along a sub-patch that OpenGL draws.
+/// The largest number of cells along a sub-patch that OpenGL supports.
 const MAX_CELLS: u32 = 64;
-/// One sub-patch of a patch as the vertex stage reads it.
+/// One sub-patch of a patch, in the layout that the vertex stage reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct SubPatch {
-    /// The texel of the patch's first control point.
+    /// Texel index of the patch's first control point.
     pub(crate) first_point: u32,
-    /// The patch's number in the scene.
+    /// Index of the patch in the scene.
     pub(crate) patch: u32,
-    /// The number of the surface's matrices.
+    /// Index of the surface's matrices.
     pub(crate) surface: u32,
-    /// Column and row of the sub-patch: u from bit 0, v from bit 16.
+    /// Column (from bit 0, along u) and row (from bit 16, along v) of the sub-patch.
     pub(crate) place: u32,
     /// Levels of its four edges, 8 bits each in the order of `gl_TessLevelOuter`.
     pub(crate) edges: u32,
     /// Cells along u and v, 8 bits each.
     pub(crate) cells: u32,
-    /// Sub-patches of the patch along u (from bit 0) and v (from bit 16).
+    /// Number of the patch's sub-patches along u (from bit 0) and v (from bit 16).
     pub(crate) sub_patches: u32,
-    /// Nothing; 32 bytes are quick to read.
+    /// Unused; pads the struct to 32 bytes, which are quick to read.
     pub(crate) padding: u32,
 }
 
 impl SubPatch {
-    /// Vertices that the tessellator makes of it.
+    /// The number of vertices that the tessellator generates for it.
     pub(crate) const fn vertices(&self) -> u32 {
         ((self.cells & 0xff) + 1) * ((self.cells >> 8) + 1)
     }
 
-    /// Triangles that it makes, also those without area along coarser edges.
+    /// The number of triangles that it generates, including degenerate ones along coarser edges.
     pub(crate) const fn triangles(&self) -> u64 {
         2 * (self.cells & 0xff) as u64 * (self.cells >> 8) as u64
     }
 }
 
-/// Which list a sub-patch goes to: what is drawn with one program and one set of textures.
+/// The lists that a surface's sub-patches go to. The sub-patches of a list share one program and one set of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Lists {
     /// Sub-patches that no trim touches, by [`PatchKind`].
@@ -74,7 +74,7 @@ pub(crate) struct Lists {
     pub(crate) trimmed: [u32; PatchKind::ALL.len()],
 }
 
-/// What the pass has to know of a surface.
+/// The properties of a surface that the pass needs.
 #[derive(Debug)]
 pub(crate) struct SurfacePatches<'a> {
     pub(crate) degree: Degree,
@@ -83,10 +83,10 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
     pub(crate) cones: &'a [NormalCone],
-    /// Where it is seen from and whether its matrix mirrors (−1), if what faces away is left out.
+    /// The viewpoint, and −1 if the surface's matrix mirrors, for surfaces whose back-facing patches are culled.
     pub(crate) back: Option<(Eye, f64)>,
     pub(crate) trims: Option<&'a mut TrimSplits>,
-    /// Sub-patches of its patches at the frame's level, if it has one.
+    /// The sub-patches of its patches at the frame's fixed level, if the frame has one.
     pub(crate) fixed: Option<&'a FixedSplit>,
     pub(crate) first_point: u32,
     pub(crate) first_patch: u32,
@@ -100,7 +100,7 @@ impl SurfacePatches<'_> {
         self.points.as_chunks().0.as_chunks().0
     }
 
-    /// Whether a patch faces away where that counts.
+    /// Whether a patch is culled because it faces away.
     fn is_back<const N: usize>(&self, patch: usize) -> bool {
         self.back.is_some_and(|(eye, sign)| {
             let points = self.patches::<N>()[patch].as_flattened();
@@ -128,24 +128,25 @@ impl SurfacePatches<'_> {
         needs
     }
 
-    /// A patch in clip space.
+    /// The control net of a patch in clip space.
     fn net<const N: usize>(&self, patch: usize) -> ClipNet<N> {
         let points = &self.patches::<N>()[patch];
         ClipNet::new((), |_| points, self.cones[patch].is_rational(), &self.to_clip)
     }
 }
 
-/// What a frame drew.
+/// Statistics of a frame.
 #[must_use = "it says whether the tolerance was met"]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameStats {
-    /// Patches of the scene, and triangles of its meshes.
+    /// Number of patches in the scene, including the triangles of its meshes.
     pub patches: usize,
-    /// Those of which nothing was drawn: out of sight, cut away, or facing away where that is asked for.
+    /// Number of patches of which nothing was drawn: out of view, cut away by trims, or back-facing if those are
+    /// culled.
     pub culled: usize,
-    /// Triangles that were drawn.
+    /// Number of triangles drawn.
     pub triangles: u64,
-    /// Draw calls.
+    /// Number of draw calls.
     pub draws: usize,
     /// How far a point on the screen can be from the surface at most, in pixels; infinite if a patch
     /// reaches behind the eye and has too few triangles for any bound. The thesis' method does not know.
@@ -156,7 +157,7 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    /// Adds what else was drawn.
+    /// Adds the statistics of other draws.
     pub(crate) fn add(&mut self, other: &Self) {
         self.patches += other.patches;
         self.culled += other.culled;
@@ -171,53 +172,54 @@ impl FrameStats {
     }
 }
 
-/// Keeps the larger number.
+/// Keeps the larger value.
 pub(crate) fn raise(max: &mut Option<f64>, value: f64) {
     *max = Some(max.map_or(value, |max| max.max(value)));
 }
 
-/// What is decided about a patch.
+/// The tessellation chosen for a patch.
 #[derive(Debug, Clone, Copy, Default)]
 struct State {
     drawn: bool,
     /// Split depth along u and v.
     depth: [u8; 2],
-    /// Cells along u and v if there are no splits.
+    /// Cells along u and v if the patch is not split.
     cells: [u8; 2],
-    /// Where its sub-patches' cells begin if there are splits.
+    /// Index of its sub-patches' first cells if the patch is split.
     first_cell: u32,
-    /// The diagonal of what may be seen of it, in pixels.
+    /// Diagonal of the patch's possibly visible region on the screen, in pixels.
     extent: f32,
 }
 
-/// An edge's level and the splits of its sides.
+/// The level of an edge and the split depth of its sides.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     level: u32,
-    /// As wide as the level: a narrower one makes the next patch wait for what this one wrote.
+    /// As wide as the level: with a narrower field the next patch would wait for this patch's write.
     depth: u32,
 }
 
 impl Edge {
-    /// The level, rounded up so that every side's sub-patches have whole ones.
+    /// The level, rounded up so that the sub-patches on either side have integer levels.
     const fn rounded(self) -> u32 {
         self.level.next_multiple_of(1 << self.depth)
     }
 }
 
-/// How a sub-patch is cut: sub-patches of its patch along u and v, its column and row, and the levels of its edges.
+/// The tessellation of a sub-patch: number of the patch's sub-patches along u and v, its column and row, and the
+/// levels of its edges.
 struct Grid {
     sides: [u32; 2],
     place: [u32; 2],
     edges: [u32; SIDES],
 }
 
-/// The pass with its memory, which is kept from frame to frame.
+/// The pass and its buffers, which are reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
     states: Vec<State>,
     edges: Vec<Edge>,
-    /// Cells along u and v of the sub-patches of halved patches; 0 where nothing is drawn.
+    /// Cells along u and v of the sub-patches of split patches; 0 where nothing is drawn.
     cells: Vec<[u8; 2]>,
     leaves: Vec<Leaf>,
     lists: Vec<Vec<SubPatch>>,
@@ -319,7 +321,7 @@ impl Plan {
         }
     }
 
-    /// Decides about the patches of a surface, each by itself.
+    /// Decides about each patch of a surface independently.
     fn surface_within<const N: usize>(
         &mut self,
         surface: &mut SurfacePatches<'_>,
@@ -345,7 +347,7 @@ impl Plan {
         }
     }
 
-    /// Cells of the sub-patch in a column and row.
+    /// Cells of the sub-patch in the given column and row.
     fn cells_of(&self, state: &State, [column, row]: [usize; 2]) -> [u8; 2] {
         if state.depth == [0; 2] {
             return state.cells;
@@ -353,8 +355,8 @@ impl Plan {
         self.cells[state.first_cell as usize + (row << state.depth[0]) + column]
     }
 
-    /// Leaves out what the trims cut; none if that is all. A patch that they cut is drawn in sub-patches, if it
-    /// is large enough on the screen.
+    /// Removes the sub-patches that the trims cut away; returns `None` if nothing remains. A patch that trims
+    /// intersect is split into sub-patches if it is large enough on the screen.
     fn without_cut_sub_patches(
         &mut self,
         state: State,
@@ -383,7 +385,7 @@ impl Plan {
         cells.iter().any(|cells| *cells != [0; 2]).then_some(state)
     }
 
-    /// Tells a patch's edges what it needs of them.
+    /// Raises the levels of a patch's edges to the patch's needs.
     fn ask(&mut self, state: State, edges: [usize; SIDES]) {
         for (side, edge) in edges.into_iter().enumerate() {
             let axis = axis_of(side);
@@ -394,7 +396,7 @@ impl Plan {
         }
     }
 
-    /// The most cells of a sub-patch along a side.
+    /// The largest cell count of a sub-patch along a side.
     fn along_side(&self, state: &State, side: usize) -> u32 {
         let axis = axis_of(side);
         if state.depth == [0; 2] {
@@ -409,7 +411,7 @@ impl Plan {
         cells.max().unwrap_or(0).into()
     }
 
-    /// Halves patches until no sub-patch's edge has more cells than OpenGL draws.
+    /// Splits patches in halves until no sub-patch's edge has more cells than OpenGL supports.
     fn agree(&mut self, table: &EdgeTable) {
         if self.edges.iter().all(|edge| edge.level <= MAX_CELLS && edge.depth == 0) {
             return;
@@ -437,7 +439,7 @@ impl Plan {
         }
     }
 
-    /// Puts the sub-patches of a patch into their lists.
+    /// Appends the sub-patches of a patch to their lists.
     fn emit(&mut self, surface: &mut SurfacePatches<'_>, patch: usize, table: &EdgeTable) {
         let number = surface.first_patch as usize + patch;
         let state = self.states[number];
@@ -456,7 +458,8 @@ impl Plan {
             lists[kind]
         };
         if state.depth == [0; 2] {
-            // By itself, because nearly all are so: the whole pass takes a sixth less.
+            // Unsplit patches are handled separately because nearly all patches are unsplit: the whole pass takes a
+            // sixth less time.
             let cut = surface.trims.as_deref_mut().map(|trims| trims.cuts([0; 2])[0]);
             let grid = Grid { sides, place: [0; 2], edges: borders };
             self.push(surface, patch, list_of(cut), &grid);
@@ -495,7 +498,7 @@ impl Plan {
         let Grid { sides, place, edges } = grid;
         let mut cells = [edges[1].max(edges[3]), edges[0].max(edges[2])];
         if cells != [1, 1] {
-            // OpenGL draws no patch with one cell along one side and several along another.
+            // OpenGL cannot draw a patch with one cell along one side and several along another.
             cells = cells.map(|cells| cells.max(2));
         }
         let sub_patch = SubPatch {

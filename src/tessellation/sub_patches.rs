@@ -1,4 +1,4 @@
-//! Sub-patches of patches: sizes that the drivers ask for, and what the trims leave of them.
+//! Sub-patches of patches: their sizes, chosen to suit drivers, and the result of trimming them.
 
 use std::sync::Arc;
 
@@ -7,19 +7,19 @@ use glam::{Vec2, Vec3};
 use crate::scene::TessLevel;
 use crate::trim::TrimGrid;
 
-/// Vertices that one draw of filled triangles may make. Mesa's software driver numbers the vertices
-/// of a draw with 16 bits (more than 65,535 render garbage without an error) and slows down
-/// quadratically long before; much smaller draws cost a call each.
+/// The number of vertices that one draw of filled triangles may generate. Mesa's software driver indexes the vertices
+/// of a draw with 16 bits (more than 65,535 render garbage without an error), and its time grows quadratically long
+/// before that. Much smaller draws cost a call each.
 const VERTICES_PER_DRAW: u32 = 8_000;
 
-/// The same for lines, where that driver walks over all vertices of a draw every few dozen lines.
+/// The same for wireframe lines, where that driver iterates over all vertices of a draw every few dozen lines.
 const VERTICES_PER_DRAW_OF_LINES: u32 = 1_100;
 
-/// A patch above this level is drawn in four sub-patches if its level is even: a draw is never smaller
-/// than a patch, and one of level 64 has 4,225 vertices.
+/// A patch above this level is drawn as four sub-patches if its level is even. Otherwise a draw could not be smaller
+/// than the patch, and a patch of level 64 has 4,225 vertices.
 const MAX_WHOLE_LEVEL: u32 = 32;
 
-/// How a patch is handed to the tessellator: `side` × `side` sub-patches of its domain, each at `level`.
+/// How a patch is passed to the tessellator: as `side` × `side` sub-patches of its domain, each at `level`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Split {
     /// Sub-patches along one side of the patch.
@@ -29,8 +29,8 @@ pub(crate) struct Split {
 }
 
 impl Split {
-    /// The sub-patches of a patch at a level. Their vertices are those of the whole patch; the diagonals
-    /// are those of each sub-patch.
+    /// The sub-patches of a patch at a level. Their vertices are those of the unsplit patch, but the diagonals follow
+    /// each sub-patch.
     pub(crate) const fn of(level: TessLevel) -> Self {
         let level = level.get();
         if level > MAX_WHOLE_LEVEL && level.is_multiple_of(2) {
@@ -40,9 +40,9 @@ impl Split {
         }
     }
 
-    /// Smaller sub-patches, about 8 a side, for patches with trims: those wholly kept can do without the
-    /// trims' code, and those wholly cut need not be drawn at all. All sub-patches of a patch are squares of
-    /// one level. None if the level cannot be cut so.
+    /// Smaller sub-patches, about 8 a side, for patches with trims. Sub-patches that are kept entirely are drawn
+    /// without trim code; those that are cut away entirely are not drawn. All sub-patches of a patch are squares of
+    /// one level. `None` if the level cannot be divided this way.
     pub(crate) fn smaller(level: TessLevel) -> Option<Self> {
         let level = level.get();
         let divides = |side: &u32| level.is_multiple_of(*side);
@@ -56,26 +56,26 @@ impl Split {
             .map(move |sub_patch| [sub_patch % self.side, sub_patch / self.side])
     }
 
-    /// Where each sub-patch begins in the domain, and the length of its side: (u, v, length).
+    /// The origin of each sub-patch in the domain, and its side length: (u, v, length).
     pub(crate) fn domains(self) -> impl Iterator<Item = Vec3> {
         let length = 1.0 / self.side as f32;
         self.places().map(move |[u, v]| (Vec2::new(u as f32, v as f32) * length).extend(length))
     }
 
-    /// How many patches one draw of a sub-patch takes.
+    /// The number of patches whose sub-patch fits in one draw.
     pub(crate) fn patches_per_draw(self, wireframe: bool) -> usize {
         patches_per_draw(self.level, wireframe)
     }
 }
 
-/// What the trims leave of a sub-patch.
+/// The result of trimming a sub-patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cut {
-    /// All of it.
+    /// The whole sub-patch is kept.
     Kept,
-    /// Some of it, or nobody knows.
+    /// A region of it is kept, or the result is unknown.
     Trimmed,
-    /// Nothing.
+    /// The whole sub-patch is cut away.
     Gone,
 }
 
@@ -100,11 +100,11 @@ impl Cut {
     }
 }
 
-/// Split only if the trimmed share of the domain shrinks below this factor.
+/// A patch is split only if the trimmed share of the domain shrinks below this factor.
 const WORTH_IT: f32 = 0.8;
 
-/// A patch at one level in sub-patches: columns and rows of those that the trims wholly keep and of those
-/// that they may cut; those that they wholly cut are gone.
+/// A patch split at one level: columns and rows of the sub-patches that the trims keep entirely, and of those that
+/// the trims may cut. Sub-patches that are cut away entirely are omitted.
 #[derive(Debug)]
 pub(crate) struct FixedSplit {
     pub(crate) split: Split,
@@ -113,7 +113,7 @@ pub(crate) struct FixedSplit {
 }
 
 impl FixedSplit {
-    /// Splits a patch at a level; into smaller sub-patches only if that leaves less to be trimmed.
+    /// Splits a patch at a level. It uses smaller sub-patches only if they reduce the area that needs trimming.
     pub(crate) fn new(grid: &TrimGrid, level: TessLevel) -> Self {
         let whole = Self::into(grid, Split::of(level));
         match Split::smaller(level) {
@@ -143,19 +143,19 @@ impl FixedSplit {
     }
 }
 
-/// What the trims of a surface leave of the sub-patches of its patches, which are all trimmed alike, for
-/// every number of sub-patches that was asked for.
+/// The results of trimming the sub-patches of a surface's patches, for every subdivision requested so far. All
+/// patches of a surface have the same trims.
 #[derive(Debug)]
 pub(crate) struct TrimSplits {
     grid: Arc<TrimGrid>,
-    /// By split depth along u and v, row by row.
+    /// Results by split depth along u and v, row by row.
     known: Vec<([u8; 2], Vec<Cut>)>,
-    /// Up to how many splits leave less to be trimmed.
+    /// The largest split depth that reduces the area that needs trimming.
     useful: u8,
 }
 
 impl TrimSplits {
-    /// More sub-patches than 2³ a side save little more.
+    /// More than 2³ sub-patches a side save little more.
     const MAX_DEPTH: u8 = 3;
 
     pub(crate) fn new(grid: &Arc<TrimGrid>) -> Self {
@@ -170,15 +170,15 @@ impl TrimSplits {
         sub_patches
     }
 
-    /// How often a patch of such a diagonal on the screen, in pixels, is best halved along each side:
-    /// smaller sub-patches cost more vertices than they save fragments.
+    /// The best split depth along each side for a patch with the given screen diagonal in pixels. Smaller sub-patches
+    /// cost more in vertices than they save in fragments.
     pub(crate) fn depth(&self, extent: f32) -> u8 {
         const MIN_PX: f32 = 48.0;
         let depth = (extent / MIN_PX).max(1.0).log2().floor();
         self.useful.min(depth as u8)
     }
 
-    /// What the trims leave of each sub-patch at a split depth along u and v, row by row.
+    /// The result of trimming each sub-patch at a split depth along u and v, row by row.
     pub(crate) fn cuts(&mut self, depth: [u8; 2]) -> &[Cut] {
         let place = self.known.iter().position(|(known, _)| *known == depth);
         let place = place.unwrap_or_else(|| {
@@ -198,7 +198,7 @@ fn patches_per_draw(level: u32, wireframe: bool) -> usize {
     (max / ((level + 1) * (level + 1))).max(1) as usize
 }
 
-/// How many vertices one draw of sub-patches should make.
+/// The number of vertices that one draw of sub-patches should have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DrawSize {
     /// As few as cost little: Mesa's software driver gathers them patch by patch in memory that it
@@ -208,7 +208,7 @@ pub(crate) enum DrawSize {
     Large,
 }
 
-/// How many of the sub-patches that come first make one draw, by their vertices.
+/// The number of sub-patches at the front of the sequence that make one draw, given their vertex counts.
 pub(crate) fn patches_of_next_draw(vertices: impl Iterator<Item = u32>, size: DrawSize) -> usize {
     let max = match size {
         DrawSize::Small => 800,

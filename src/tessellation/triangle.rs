@@ -1,4 +1,4 @@
-//! How far the triangles that a smooth triangle is cut into can lie from it on the screen.
+//! Bounds the screen-space distance between a smooth triangle and the triangles that it is divided into.
 //!
 //! Over a straight line of length h, linear interpolation is off by at most h²/8 times the second
 //! derivative along it, which is that of the control points' differences: for an edge of Phong
@@ -22,9 +22,9 @@ use glam::{DMat4, DVec3, DVec4};
 
 use super::bound::{Rounding, SUBPIXEL, Screen, Seen};
 
-/// The most levels that OpenGL cuts an edge into.
+/// The largest number of levels that OpenGL supports along an edge.
 const MAX_LEVELS: f64 = 64.0;
-/// What the largest second derivative along a side is multiplied by.
+/// The factor that the largest second derivative along a side is multiplied by.
 const INSIDE: f64 = 5.0 / 18.0;
 
 /// Control points that stand in a row along a side, for 10 and for 6 of them, in the order of
@@ -42,20 +42,20 @@ const CUBIC: [[usize; 3]; 9] = [
 ];
 const QUADRATIC: [[usize; 3]; 3] = [[0, 3, 1], [1, 4, 2], [2, 5, 0]];
 
-/// What the control points of a smooth triangle tell about the triangles it is cut into.
+/// Error bounds derived from the control points of a smooth triangle.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TriangleBound {
-    /// Its second derivative along any side at most, in pixels.
+    /// Upper bound of its second derivative along any side, in pixels.
     curvature: f64,
-    /// How far rounding can move what is seen, in pixels.
+    /// Upper bound of the rounding error at visible points, in pixels.
     rounding: f64,
-    /// Whether it reaches before the near plane. Then the bound holds up to the tolerance alone.
+    /// Whether it crosses the near plane. If so, the bound is valid only up to the tolerance.
     crosses_near: bool,
 }
 
 impl TriangleBound {
-    /// From the 10 control points of a PN triangle, the 6 of a Phong triangle or the 3 of a flat one; none if
-    /// it is out of sight.
+    /// From the 10 control points of a PN triangle, the 6 of a Phong triangle or the 3 of a flat one; `None` if it is
+    /// out of view.
     pub(crate) fn new(
         points: &[DVec3],
         to_clip: &DMat4,
@@ -101,17 +101,16 @@ impl TriangleBound {
         })
     }
 
-    /// The level that it needs by itself.
+    /// The level that it needs without regard to its neighbours.
     pub(crate) fn level(&self, screen: &Screen) -> u8 {
         let tolerance = screen.tolerance();
         let left = tolerance - SUBPIXEL - self.rounding;
-        // Where rounding leaves nothing, more triangles do not help.
+        // If rounding uses up the tolerance, more triangles do not help.
         let left = if left > 0.1 * tolerance { left } else { 0.5 * tolerance };
         (INSIDE * self.curvature / left).sqrt().ceil().clamp(1.0, MAX_LEVELS) as u8
     }
 
-    /// How far it can be at most from the triangles of a level, in pixels; infinite where nothing can be
-    /// said.
+    /// Upper bound of its distance from the triangles of a level, in pixels; infinite where no bound is known.
     pub(crate) fn error(&self, level: u8, screen: &Screen) -> f64 {
         let level = f64::from(level);
         let error = INSIDE * self.curvature / (level * level) + self.rounding + SUBPIXEL;
@@ -119,7 +118,7 @@ impl TriangleBound {
     }
 }
 
-/// Vertices that the tessellator makes of a triangle at a level.
+/// The number of vertices that the tessellator generates for a triangle at a level.
 pub(crate) const fn vertices_of_triangle(level: u32) -> u32 {
     match level {
         0 => 1,
@@ -128,8 +127,8 @@ pub(crate) const fn vertices_of_triangle(level: u32) -> u32 {
     }
 }
 
-/// Triangles that the tessellator makes of a triangle at a level, also those without area along coarser
-/// edges.
+/// The number of triangles that the tessellator generates for a triangle at a level, including degenerate ones along
+/// coarser edges.
 pub(crate) const fn triangles_of_triangle(level: u32) -> u64 {
     match level {
         0 => 0,

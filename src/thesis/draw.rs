@@ -1,4 +1,5 @@
-//! Draws of the thesis' and the report's programs: a patch is a patch of the tessellator, at one level for all.
+//! Draws surfaces with the shader programs of the thesis and of the report. A Bézier patch is a patch of the
+//! tessellator, and all patches have the same level.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use glow::HasContext;
@@ -13,7 +14,7 @@ use crate::scene::{Method, Shading};
 use crate::tessellation::{FrameStats, Split};
 
 impl Renderer {
-    /// Draws surfaces of one picture by the method of the frame.
+    /// Draws the surfaces of one picture by the method in the frame's settings.
     pub(crate) fn draw_surfaces(
         &mut self,
         surfaces: &mut [PreparedSurface],
@@ -60,7 +61,7 @@ impl Renderer {
         let settings = &frame.settings;
         let (shading, _) = self.style(surface.shading(), surface.texture(), settings, output);
         let key = ProgramKey {
-            // The report's shaders hand on no position.
+            // The report's shaders do not pass on the position, which AOVs need.
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading,
             trims: trims.features(&surface.surface().trims),

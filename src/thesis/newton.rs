@@ -1,9 +1,9 @@
 //! The thesis' trimming by Newton's method, in `f64`: the twin of `glsl/thesis/trim.glsl`, step by
 //! step. Keep both in step; `tests/gpu/figures.rs` compares their pictures.
 //!
-//! It has the limits of its model on purpose. A loop is an upper and a lower curve, both given from
-//! its left end to its right end; the two ends lie on one row (figure 28 shows what happens when
-//! they do not). Where a row misses a curve, Newton's method wanders and cuts speckles.
+//! It reproduces the limits of the thesis' method on purpose. A loop consists of an upper and a lower curve, both
+//! given from the loop's left end to its right end. The two ends lie on one row (figure 28 shows the result if they
+//! do not). Where a row misses a curve, Newton's method does not converge and cuts speckles.
 
 use glam::DVec2;
 
@@ -25,7 +25,7 @@ impl Default for Newton {
 }
 
 impl Newton {
-    /// The most iterations that are accepted: beyond them no figure changes and a frame takes seconds.
+    /// The maximum number of iterations. With more, no figure changes and a frame takes seconds.
     pub const MAX_ITERATIONS: u32 = 1000;
 
     /// At most `iterations` steps, ending early after a step in `t` shorter than `epsilon`.
@@ -46,7 +46,7 @@ impl Newton {
         Ok(Self { iterations, epsilon })
     }
 
-    /// The most steps.
+    /// The maximum number of steps.
     #[must_use]
     pub const fn iterations(&self) -> u32 {
         self.iterations
@@ -58,8 +58,8 @@ impl Newton {
         self.epsilon
     }
 
-    /// The `t` where Newton's method from `t` ends up on the row `v` (listing 10). Without
-    /// convergence that is the last iterate.
+    /// The parameter at which the curve meets the row `v`, found by Newton's method from the start value `t` (listing
+    /// 10). Without convergence, it is the last iterate.
     fn root<const N: usize>(&self, curve: &[DVec2; N], v: f64, mut t: f64) -> f64 {
         for _ in 0..self.iterations {
             let [value, slope] = value_and_slope(&curve.map(|point| point.y), t);
@@ -72,8 +72,8 @@ impl Newton {
         t
     }
 
-    /// Where the row through `uv` meets the curve, from both ends: the two `t`, and the u there
-    /// relative to `uv`.
+    /// Where the row through `uv` meets the curve, searched from both ends of the curve. For both searches, the `t`
+    /// and the u there relative to `uv`.
     fn meetings<const N: usize>(&self, curve: &[DVec2; N], uv: DVec2) -> [(f64, f64); 2] {
         [1.0, 0.0].map(|start| {
             let t = self.root(curve, uv.y, start);
@@ -81,15 +81,15 @@ impl Newton {
         })
     }
 
-    /// Listing 11: `uv` lies between the meetings of its row with the curve.
+    /// Listing 11: whether `uv` lies between the two points where its row meets the curve.
     fn below<const N: usize>(&self, curve: &[DVec2; N], uv: DVec2) -> bool {
         let [(t1, x1), (t2, x2)] = self.meetings(curve, uv);
         let in_curve = 0.0..=1.0;
         x1 > 0.0 && x2 < 0.0 && in_curve.contains(&t1) && in_curve.contains(&t2)
     }
 
-    /// Listing 12: the same, unless `uv` lies between the meetings with the inner curve, whose `t`
-    /// the listing does not test.
+    /// Listing 12: the same for the outer curve, unless `uv` lies between the points where its row meets the inner
+    /// curve. The listing does not test the `t` of those points.
     fn below_outer_only<const N: usize>(
         &self,
         outer: &[DVec2; N],
@@ -127,20 +127,19 @@ fn value_and_slope<const N: usize>(b: &[f64; N], t: f64) -> [f64; 2] {
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct NewtonTrims {
-    /// Two quadratics each (`bezierBool`).
+    /// Loops of two quadratics (`bezierBool`).
     pub quadratic: Vec<[DVec2; 4]>,
     /// A loop of two quadratics inside another (`bezierBool2`).
     pub nested_quadratic: Vec<[DVec2; 8]>,
-    /// Two cubics each (`cubicBezierBool`).
+    /// Loops of two cubics (`cubicBezierBool`).
     pub cubic: Vec<[DVec2; 6]>,
     /// A loop of two cubics inside another (`cubicBezierBool2`).
     pub nested_cubic: Vec<[DVec2; 12]>,
 }
 
 impl NewtonTrims {
-    /// Sorts loops into the thesis' forms: a loop inside another of its kind makes the nested form
-    /// with it, wherever the two stand. Loops that overlap without one being inside the other each
-    /// cut what is inside them.
+    /// Sorts loops into the thesis' forms: a loop inside another of its kind makes the nested form with it,
+    /// regardless of their order. If loops overlap and neither lies inside the other, each cuts its own inside.
     ///
     /// # Errors
     /// A loop that is not two quadratics or two cubics; islands that the forms cannot hold: two in
@@ -149,7 +148,7 @@ impl NewtonTrims {
         Self::sorted(loops).map_err(|(_, error)| error)
     }
 
-    /// The same; a fault comes with the number of the loop that is to blame.
+    /// The same; an error comes with the number of the loop that caused it.
     pub(crate) fn sorted(loops: &[TrimLoop]) -> Result<Self, (usize, Error)> {
         let forms = loops
             .iter()
@@ -172,7 +171,7 @@ impl NewtonTrims {
                     }
                     _ => return Err((*island, misplaced(i, around, inside))),
                 },
-                // An island belongs to the loop around it.
+                // An island is part of the nested form of the loop around it.
                 ([_], []) => {}
                 _ => {
                     let last = inside.iter().copied().max().unwrap_or(i);
@@ -286,14 +285,15 @@ fn misplaced(index: usize, around: &[usize], inside: &[usize]) -> Error {
     )
 }
 
-/// The loops that one loop lies in, and those that lie in it, by their numbers.
+/// The numbers of the loops that a loop lies in, and of the loops that lie in it.
 #[derive(Clone, Default)]
 struct Nesting {
     around: Vec<usize>,
     inside: Vec<usize>,
 }
 
-/// Sweeps over the boxes from the left, so that only loops whose boxes overlap along u are compared.
+/// The nesting of every loop. A sweep over the bounding boxes from the left compares only loops whose boxes overlap
+/// along u.
 fn nestings(loops: &[TrimLoop]) -> Vec<Nesting> {
     let boxes: Vec<[DVec2; 2]> = loops.iter().map(TrimLoop::control_box).collect();
     let mut order: Vec<usize> = (0..loops.len()).collect();
@@ -363,7 +363,7 @@ mod tests {
         .unwrap()
     }
 
-    /// Samples of a 200×200 grid with |v − ½| in `rows` that are decided wrongly.
+    /// The number of samples of a 200×200 grid with |v − ½| in `rows` that are decided wrongly.
     fn wrong(
         trims: &NewtonTrims,
         newton: &Newton,
@@ -465,12 +465,12 @@ mod tests {
             let trims = NewtonTrims::from_loops(&loops).unwrap();
             assert!(trims.cut(&Newton::default(), dvec2(0.26, 0.9)));
         }
-        // Loops that overlap each cut.
+        // Loops that overlap cut their own insides.
         assert_eq!(
             counts(&[lens(0.2, 0.2), moved(&lens(0.2, 0.2), dvec2(0.1, 0.0))]),
             [2, 0, 0, 0]
         );
-        // A loop twice is twice the same hole.
+        // A loop that is given twice makes the same hole twice.
         assert_eq!(counts(&[lens(0.2, 0.2), lens(0.2, 0.2)]), [2, 0, 0, 0]);
     }
 

@@ -4,10 +4,10 @@ use glam::{DVec3, DVec4};
 
 use crate::bezier::{Patch, de_casteljau};
 
-/// Listings 4 to 6: the tangent along v at (u, v), crossed with the tangent along u **of the last
-/// row**, which is what the listing's second variable still holds. Zero where a tangent vanishes.
+/// Listings 4 to 6: the tangent along v at (u, v), crossed with the tangent along u **of the last row**, because the
+/// listing's second variable still holds that tangent. Zero where a tangent vanishes.
 ///
-/// It is right on the border v = 1 and turned inside the patch.
+/// It is correct on the border v = 1. Inside the patch it points in a wrong direction.
 #[must_use]
 pub fn thesis_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
     let side = patch.degree().side();
@@ -32,7 +32,7 @@ mod tests {
     use crate::bezier::Degree;
     use crate::scene::default_control_points;
 
-    /// Angles in degrees between the thesis' normal and the true one (crossed v first), over a grid.
+    /// Angles in degrees between the thesis' normal and the true one (Sv × Su), over a grid.
     fn turned(points: &[DVec4]) -> Vec<f64> {
         let patch = Patch::new(Degree::Cubic, points);
         (0..=20 * 21)

@@ -1,5 +1,5 @@
-//! The ported class: one freeform surface with its control points and trims on the GPU, under the thesis'
-//! calls.
+//! The ported class: one freeform surface with its control points and trims on the GPU, with the methods of the
+//! thesis.
 
 use std::rc::Rc;
 
@@ -17,15 +17,15 @@ use crate::trim::{Circle, Ellipse, Keep, Rect, Segment, TrimLoop, Trims};
 
 /// A Bézier surface that can be drawn: the thesis' `CVK::FreeFormSurface`.
 ///
-/// The calls are the thesis' under Rust's names. Where a call of the thesis takes a shader, ours
-/// needs none: [`FreeFormSurface::render`] takes the renderer. Beyond the thesis a surface has any
+/// The methods are those of the thesis, with names in Rust's style. Methods that take a shader in the thesis take
+/// none here; [`FreeFormSurface::render`] takes the renderer instead. Unlike in the thesis, a surface can have any
 /// number of trims of every kind, patches of 25 control points, and weights.
 #[derive(Debug)]
 pub struct FreeFormSurface {
     prepared: PreparedSurface,
-    /// Segments of all loops.
+    /// The number of segments of all loops.
     segments: usize,
-    /// The plan of the exact method, which is kept from frame to frame.
+    /// The draw list of the exact method, which is kept from frame to frame.
     draw_list: DrawList,
 }
 
@@ -49,7 +49,7 @@ impl FreeFormSurface {
         Self::from_surface(renderer, Surface::new(degree, points)?)
     }
 
-    /// One or more patches with everything that belongs to them.
+    /// A surface of one or more patches, with its transform, paint and trims.
     ///
     /// # Errors
     /// Trims out of their range, a picture that the driver cannot hold, no memory.
@@ -58,7 +58,7 @@ impl FreeFormSurface {
         Self::with_texture(renderer, surface, texture)
     }
 
-    /// The same with a texture that is there already, whatever the surface's paint says.
+    /// The same with an existing texture, which is used instead of the surface's paint.
     ///
     /// # Errors
     /// Trims out of their range, no memory.
@@ -72,25 +72,25 @@ impl FreeFormSurface {
         Ok(Self { prepared, segments, draw_list: DrawList::default() })
     }
 
-    /// Draws the surface into the bound framebuffer, and its control points if the frame asks for
-    /// them; says what was drawn.
+    /// Draws the surface into the bound framebuffer, and its control points if the frame asks for them. Returns
+    /// statistics of what was drawn.
     ///
     /// # Errors
-    /// A shader that the driver does not take, no memory for changed trims, or loops that the frame's
-    /// method cannot cut.
+    /// A shader that the driver does not accept, no memory for changed trims, or loops that the frame's method cannot
+    /// cut.
     pub fn render(&mut self, renderer: &mut Renderer, frame: &Frame) -> Result<FrameStats> {
         let surfaces = std::slice::from_mut(&mut self.prepared);
         let stats =
             renderer.draw_surfaces(surfaces, &mut self.draw_list, frame, Output::Picture)?;
-        // Squares lie on top of everything.
+        // The squares of control points lie on top of everything.
         if frame.settings.control_points {
             renderer.draw_control_points(&self.prepared, frame)?;
         }
         Ok(stats)
     }
 
-    /// Builds and uploads what drawing with these settings needs for the trims, unless that is there
-    /// already. Drawing does this automatically; call it to choose when.
+    /// Builds and uploads the trim data that drawing with these settings needs, unless it already exists. Drawing
+    /// does this automatically; call this method to choose when it happens.
     ///
     /// # Errors
     /// No memory, or loops that the method cannot cut.
@@ -132,7 +132,7 @@ impl FreeFormSurface {
         self.prepared.set_shading(shading);
     }
 
-    /// Chooses what need not be drawn.
+    /// Chooses which patches need not be drawn.
     pub fn set_cull(&mut self, cull: Cull) {
         self.prepared.set_cull(cull);
     }
@@ -177,7 +177,8 @@ impl FreeFormSurface {
         self.prepared.trims_mut().loops_on = false;
     }
 
-    /// Makes this the one circle, as the thesis' call does; [`FreeFormSurface::add_circle`] adds.
+    /// Replaces all circles by this one, as the thesis' method does. To add a circle, use
+    /// [`FreeFormSurface::add_circle`].
     ///
     /// # Errors
     /// A radius that is negative or not finite, a centre that is not finite.
@@ -187,7 +188,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Makes this the one rectangle.
+    /// Replaces all rectangles by this one.
     ///
     /// # Errors
     /// Bounds that are not finite or not in order.
@@ -197,7 +198,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Makes this the one ellipse, with its radii along u and v.
+    /// Replaces all ellipses by this one, given by its radii along u and v.
     ///
     /// # Errors
     /// A radius that is negative or not finite, a centre that is not finite.
@@ -208,8 +209,8 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Makes this the one loop: the quadratics p0 p1 p2 above and p0 p3 p2 below (listing 17).
-    /// Given clockwise from the left, with p0 and p2 on one row, as the thesis' method needs.
+    /// Replaces all loops and paths by one loop: the quadratics p0 p1 p2 above and p0 p3 p2 below (listing 17). The
+    /// points run clockwise from the left, and p0 and p2 lie on one row, as the thesis' method needs.
     ///
     /// # Errors
     /// A point that is not finite.
@@ -224,7 +225,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Makes these the only loops: the outer one p0…p3, and inside it an island p4…p7.
+    /// Replaces all loops and paths by two loops: the outer one p0…p3, and inside it an island p4…p7.
     ///
     /// # Errors
     /// A point that is not finite, an inner loop that is not inside the outer one.
@@ -233,8 +234,8 @@ impl FreeFormSurface {
         self.replace_nested(quadratic_loop([a, b, c, d])?, quadratic_loop([e, f, g, h])?)
     }
 
-    /// Makes this the one loop: the cubics p0 p1 p2 p3 above and p0 p4 p5 p3 below. Both run from
-    /// the left, as listing 9 reads them: p4 is the lower inner point nearer p0.
+    /// Replaces all loops and paths by one loop: the cubics p0 p1 p2 p3 above and p0 p4 p5 p3 below. Both run from
+    /// left to right, as in listing 9: p4 is the lower inner point nearer to p0.
     ///
     /// # Errors
     /// A point that is not finite.
@@ -243,7 +244,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Makes these the only loops: the outer one p0…p5, and inside it an island p6…p11.
+    /// Replaces all loops and paths by two loops: the outer one p0…p5, and inside it an island p6…p11.
     ///
     /// # Errors
     /// A point that is not finite, an inner loop that is not inside the outer one.
@@ -252,7 +253,7 @@ impl FreeFormSurface {
         self.replace_nested(cubic_loop([a, b, c, d, e, f])?, cubic_loop([g, h, i, j, k, l])?)
     }
 
-    /// Adds a circle to those that are there.
+    /// Adds a circle to the existing ones.
     ///
     /// # Errors
     /// As [`Circle::new`]; the surface stays as it was.
@@ -262,7 +263,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Adds a rectangle to those that are there.
+    /// Adds a rectangle to the existing ones.
     ///
     /// # Errors
     /// As [`Rect::new`]; the surface stays as it was.
@@ -272,7 +273,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Adds an ellipse to those that are there.
+    /// Adds an ellipse to the existing ones.
     ///
     /// # Errors
     /// As [`Ellipse::new`]; the surface stays as it was.
@@ -282,8 +283,8 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Adds a loop to those that are there; one inside another is an island. The exact method takes
-    /// every loop; [`Method::Thesis`](crate::scene::Method::Thesis) draws those that `inspect::NewtonTrims` takes.
+    /// Adds a loop to the existing ones; a loop inside another is an island. The exact method accepts every loop;
+    /// [`Method::Thesis`](crate::scene::Method::Thesis) draws only loops that `inspect::NewtonTrims` accepts.
     ///
     /// # Errors
     /// More than 1,000,000 segments in all loops together; the surface stays as it was.
@@ -294,7 +295,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// Chooses which side of the loops stays. The thesis' method knows [`Keep::Outside`] alone.
+    /// Chooses which side of the loops is kept. The thesis' method supports only [`Keep::Outside`].
     pub fn set_keep(&mut self, keep: Keep) {
         self.prepared.trims_mut().keep = keep;
     }
@@ -321,7 +322,7 @@ impl FreeFormSurface {
         Ok(())
     }
 
-    /// The surface as it is now; of its paint only what it was made with.
+    /// The current state of the surface, except for its paint, which is the one that the surface was created with.
     #[must_use]
     pub const fn surface(&self) -> &Surface {
         self.prepared.surface()

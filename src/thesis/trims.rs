@@ -1,4 +1,5 @@
-//! Trims as the listings' shaders read them: uniforms, and buffers for what uniforms have no room for.
+//! Trims in the form that the listings' shaders read: uniforms, and buffers for data that does not fit into the
+//! uniforms.
 
 use glam::{Vec2, Vec4};
 
@@ -8,7 +9,7 @@ use crate::programs::{TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TrimFeatures, lo
 use crate::thesis::newton::{Newton, NewtonTrims};
 use crate::trim::Trims;
 
-/// The names and the buffers of the listings.
+/// The loops and the buffers for the listings' shaders.
 #[derive(Debug)]
 pub(crate) struct ThesisTrims {
     loops: NewtonTrims,
@@ -25,7 +26,8 @@ impl ThesisTrims {
         Ok(Self { loops, points, shapes })
     }
 
-    /// The kinds of trims that the surface has, switched on or not: a switch compiles nothing.
+    /// The kinds of trims that the surface has, even if they are switched off, so that switching them does not
+    /// compile a new program.
     pub(crate) const fn features(&self, trims: &Trims) -> TrimFeatures {
         TrimFeatures {
             circles: !trims.circles.is_empty(),

@@ -1,5 +1,4 @@
-//! The trims of a surface as the exact method decides them: what the shaders get, and the same
-//! decision on the CPU.
+//! The trim test of the exact method: the data that the shaders read, and the same decision on the CPU.
 
 #[cfg(test)]
 mod tests;
@@ -18,29 +17,29 @@ use super::{FillRule, Keep, Trims, grid, shapes};
 
 /// The trims of a surface, compiled for fast and exact decisions.
 ///
-/// It decides as [`Trims::cut`] does, for every sample further than 2·10⁻⁷ of the domain from a
-/// curve whose control points are at most about 1e9 away; in time that does not depend on the number
-/// of curves, unless thousands of them crowd in 1/65,536 of the domain, cross in one point, or each
-/// reach across all of it. The shaders read its words and decide bit for bit alike
-/// (`glsl/common/trim.glsl`).
+/// It gives the same answer as [`Trims::cut`] for every sample that is further than 2·10⁻⁷ of the domain from all
+/// curves, if their control points are at most about 1e9 away. The time for a sample does not depend on the number of
+/// curves. The exceptions are thousands of curves that are crowded into 1/65,536 of the domain, that cross in one
+/// point, or that each reach across the whole domain. The shaders read the words of this grid and make the same
+/// decisions, bit for bit (`glsl/common/trim.glsl`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrimGrid {
     words: Vec<u32>,
     loops: Option<Lookup>,
     shapes: Option<Lookup>,
-    /// Whether everything is cut, if there are no cells of loops.
+    /// Whether everything is cut; used if the loops have no cells.
     all_cut: bool,
     pieces: Range<usize>,
     has_long_lists: bool,
     has_rules: bool,
 }
 
-/// A grid in the words.
+/// A grid that is stored in the words.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lookup {
-    /// Where it lies.
+    /// Its place in the domain and its cells.
     uniform_grid: UniformGrid,
-    /// The word where its cells begin.
+    /// The index of the word where its cells begin.
     cells: usize,
 }
 
@@ -84,8 +83,8 @@ impl TrimGrid {
         self.cut_by_shapes(uv) || self.cut_by_loops(uv)
     }
 
-    /// Whether everything in the rectangle from `least` to below `most` is cut (`true`) or kept
-    /// (`false`), or not known: some of it may be either.
+    /// Whether everything in the rectangle from `min` up to, but not including, `max` is cut (`true`) or kept
+    /// (`false`). `None` if that is not known: the rectangle may contain both.
     #[must_use]
     pub fn cut_throughout(&self, min: Vec2, max: Vec2) -> Option<bool> {
         let cells = |lookup: &Option<Lookup>, without: bool| match lookup {
@@ -102,7 +101,8 @@ impl TrimGrid {
     /// The answer of all cells that a rectangle touches, if they agree.
     fn throughout(&self, lookup: &Lookup, min: Vec2, max: Vec2) -> Option<bool> {
         let uniform_grid = &lookup.uniform_grid;
-        // A sample that rounding puts beyond is as close to a curve as may be decided either way.
+        // Rounding may put a sample just outside the rectangle. If the decision differs there, a curve is so close
+        // that either decision is allowed.
         let last = Vec2::new(max.x.next_down(), max.y.next_down());
         let [first, last] = [min, last].map(|corner| uniform_grid.cell(clamped(corner)));
         let mut found = None;
@@ -119,17 +119,17 @@ impl TrimGrid {
         found
     }
 
-    /// Whether a list is too long to be walked in one go.
+    /// Whether a list is so long that the shader must walk it in several passes.
     pub(crate) const fn has_long_lists(&self) -> bool {
         self.has_long_lists
     }
 
-    /// Whether there are paths with rules of their own.
+    /// Whether there are paths with fill rules of their own.
     pub(crate) const fn has_rules(&self) -> bool {
         self.has_rules
     }
 
-    /// Whether a cell has a finer uniform grid of its own.
+    /// Whether any cell has a finer uniform grid of its own.
     pub(crate) fn has_finer_cells(&self) -> bool {
         self.loops.is_some_and(|loops| {
             let cells = &self.words[loops.cells..][..loops.uniform_grid.count()];
@@ -137,8 +137,8 @@ impl TrimGrid {
         })
     }
 
-    /// The words of the monotone pieces that the loops were cut into: for each the lower end, the
-    /// upper end, and the first and last leg of its control polygon.
+    /// The monotone pieces that the loops were cut into, as they are stored in the words. Each piece consists of its
+    /// lower end, its upper end, and the first and last leg of its control polygon.
     #[must_use]
     pub fn pieces(&self) -> &[[f32; 8]] {
         bytemuck::cast_slice(&self.words[self.pieces.clone()])
@@ -150,7 +150,7 @@ impl TrimGrid {
         &self.words
     }
 
-    /// Columns and rows of the loops' cells; none if there is nothing in the loops.
+    /// The number of columns (and of rows) of the loops' cells; `None` if the loops have no cells.
     pub(crate) fn loop_columns(&self) -> Option<NonZeroU32> {
         self.loops.and_then(|loops| NonZeroU32::new(loops.uniform_grid.size.x))
     }
@@ -160,7 +160,7 @@ impl TrimGrid {
         self.shapes.is_some()
     }
 
-    /// The cell of a sample.
+    /// The word of a sample's cell.
     fn cell(&self, lookup: &Lookup, uv: Vec2) -> u32 {
         self.words[lookup.cells + lookup.uniform_grid.cell_of(uv)]
     }
@@ -201,7 +201,8 @@ impl TrimGrid {
         }
     }
 
-    /// The contribution to the winding number of the pieces in the list at a word; moves on behind the list.
+    /// The contribution of the pieces of a list to the winding number. The list begins at the word `at`, which is
+    /// moved past the end of the list.
     fn crossings(&self, at: &mut usize, uv: Vec2) -> i32 {
         let references = listed(&self.words[*at..]);
         let mut number = 0;

@@ -1,23 +1,23 @@
-//! Paths that are filled by a rule of their own, as SVG fills them.
+//! Paths that each have their own fill rule, as in SVG.
 
 use super::inside::winding_number;
 use super::{TrimLoop, Trims};
 use crate::error::Result;
 use glam::DVec2;
 
-/// Decides which places are inside a path whose loops wind around them more than once.
+/// Decides which points are inside a path, also where its loops wind around a point more than once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FillRule {
-    /// A place is inside if the loops wind around it an odd number of times: a loop in a loop is a hole.
+    /// A point is inside if the loops wind around it an odd number of times: a loop in a loop is a hole.
     #[default]
     EvenOdd,
-    /// A place is inside if its winding number is not 0, with opposite directions cancelling: a loop in a
-    /// loop is a hole if it runs the other way. SVG's own default.
+    /// A point is inside if its winding number is not 0. Opposite directions cancel out: a loop in a loop is a hole
+    /// if it runs the other way. This is SVG's default.
     NonZero,
 }
 
 impl FillRule {
-    /// Whether a place with this winding number is inside.
+    /// Whether a point with this winding number is inside.
     #[must_use]
     pub const fn fills(self, winding_number: i32) -> bool {
         match self {
@@ -27,12 +27,12 @@ impl FillRule {
     }
 }
 
-/// Loops that are filled together, whatever others there are.
+/// Loops that are filled together, independently of all other loops.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TrimPath {
-    /// The loops, of which the rule makes an inside and an outside.
+    /// The loops; the rule decides what is inside them.
     pub loops: Vec<TrimLoop>,
-    /// The rule.
+    /// The fill rule.
     pub rule: FillRule,
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct Fill<'a> {
     pub(crate) rule: FillRule,
 }
 
-/// Checks the number of segments of paths that come after the given numbers of loops and segments.
+/// Checks the number of segments of paths that are added to the given numbers of loops and segments.
 pub(super) fn check_paths(paths: &[TrimPath], loops: usize, segments: usize) -> Result<()> {
     let (mut loops, mut segments) = (loops, segments);
     for path in paths {
@@ -72,7 +72,7 @@ impl Trims {
         std::iter::once(loops).chain(paths).filter(|fill| !fill.loops.is_empty())
     }
 
-    /// Every loop: those that are filled together, then those of the paths.
+    /// Every loop: those of [`Trims::loops`], then those of the paths.
     pub fn all_loops(&self) -> impl Iterator<Item = &TrimLoop> + Clone {
         self.loops.iter().chain(self.paths.iter().flat_map(|path| &path.loops))
     }
@@ -83,7 +83,7 @@ impl Trims {
         self.all_loops().next().is_some()
     }
 
-    /// Whether `uv` is inside of the loops or of any path, switched on or not.
+    /// Whether `uv` is inside the loops or any path, even if these are switched off.
     #[must_use]
     pub fn inside(&self, uv: DVec2) -> bool {
         self.fills().any(|fill| fill.rule.fills(winding_number(fill.loops, uv)))
@@ -92,8 +92,8 @@ impl Trims {
     /// Adds paths.
     ///
     /// # Errors
-    /// More than 1,000,000 segments in all loops together, by the numbers of loop and segment; the
-    /// trims stay as they were.
+    /// More than 1,000,000 segments in all loops together; the error names the loop and the segment. The trims stay
+    /// as they were.
     pub fn add_paths(&mut self, paths: Vec<TrimPath>) -> Result<()> {
         check_paths(&paths, self.all_loops().count(), self.segment_count())?;
         self.paths.extend(paths);

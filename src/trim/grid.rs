@@ -1,40 +1,42 @@
-//! The exact method's grid over the loops of a surface: which pieces a sample must be tested
-//! against, and what is known without any.
+//! The exact method's grid over the loops of a surface. Each cell stores the pieces that its samples must be tested
+//! against, and the part of the answer that is known without testing any piece.
 //!
-//! Whether a sample is inside depends on what a ray towards greater u crosses, upwards and downwards.
-//! Instead of following it to infinity, a sample is compared with the corner of its cell at the right
-//! and below, whose winding number is known: on the way there lie only pieces that touch the cell.
-//! (Shortcuts: Nehab and Hoppe 2008; Ganacim and others 2014.)
+//! Whether a sample is inside depends on how often a ray from it towards greater u crosses the loops, upwards and
+//! downwards. The ray is not followed to infinity. The sample is instead compared with the lower right corner of its
+//! cell, whose winding number is known. Only pieces that touch the cell lie between the sample and this corner. (The
+//! literature calls this shortcuts: Nehab and Hoppe 2008; Ganacim and others 2014.)
 //!
-//! A piece that touches the cell and leaves it to the right still meets the ray beyond. What follows
-//! it there cancels out, because the loop is closed, down to the row test of the end that lies to
-//! the right: a reference names that end, and both tests together count only what is in the cell.
+//! A piece that touches the cell and leaves it to the right can still cross the ray beyond the cell. Because the loop
+//! is closed, the crossings beyond the cell cancel out, except for the row test of the piece's end that lies to the
+//! right. A reference names that end. The piece's test and the row test of this end together count only the crossings
+//! within the cell.
 //!
 //! # Words
 //!
-//! The shader reads one buffer of 32-bit words, four of which make a texel: a header, the cells of
-//! the loops (it is compiled for their number), the pieces, then lists and finer cells, then the
-//! shapes and theirs.
+//! The shader reads one buffer of 32-bit words; four words make a texel. The buffer holds, in this order: a header,
+//! the cells of the loops, the pieces, the lists and finer cells of the loops, the shapes, and the cells and lists of
+//! the shapes. The shader is compiled for the number of the loops' cells.
 //!
 //! | word of the header | meaning |
 //! |---|---|
 //! | 0 | columns and rows of the shapes' cells |
-//! | 1 | the word where those begin |
+//! | 1 | the index of the word where the shapes' cells begin |
 //!
 //! | cell | meaning |
 //! |---|---|
-//! | 0, 1 | everything in it is kept, cut |
-//! | word · 8 + 2, 3 | a list there; 3 turns around what comes of it |
-//! | word · 8 + 4 | a finer uniform grid there: least u, v, scale u, v, columns, then its cells |
+//! | 0, 1 | 0: everything in the cell is kept; 1: everything in it is cut |
+//! | word · 8 + 2, 3 | a list at that word; 3 inverts its result |
+//! | word · 8 + 4 | a finer uniform grid at that word: minimum u, v, scale u, v, columns, then its cells |
 //!
-//! A list is one of references: an odd number of crossings cuts. Where paths have rules of their own
-//! ([`Grid::has_rules`]) it is several, one for each path that has pieces in the cell, each behind a
-//! head: the winding number without its pieces · 4, plus 1 for even-odd, plus 2 for the last head of
-//! the cell. A sample that one of the paths holds is inside; the cell's word says whether inside is cut.
+//! A list consists of references; its result is "cut" if the number of crossings is odd. If paths have fill rules of
+//! their own ([`Grid::has_rules`]), the cell has several such lists in a row, one for each path that has pieces in
+//! the cell. Each of them follows a head: 4 times the winding number without its pieces, plus 1 for even-odd, plus 2
+//! for the last head of the cell. A sample is inside if it is inside one of the paths; the cell's word says whether
+//! the inside is cut.
 //!
-//! A reference is 32 times the number of the piece (the words before it / 8), plus 1 if the piece's lower
-//! end lies right of the cell, 2 if its upper one does, plus 4 for the last of a list, plus 8 if the
-//! piece bulges to the left of its chord, plus 16 if its loop runs down it.
+//! A reference is a sum: 32 times the number of the piece (the index of its first word / 8), plus 1 if only the
+//! piece's lower end lies to the right of the cell, plus 2 if only its upper end does, plus 4 for the last reference
+//! of a list, plus 8 if the piece bulges to the left of its chord, plus 16 if its loop follows it downwards.
 
 mod builder;
 mod cutting;
@@ -47,9 +49,9 @@ use super::uniform_grid::UniformGrid;
 use builder::{Builder, Member};
 use cutting::{FilledCurve, cut_to_cells, uniform_grid_of};
 
-/// Words of the header; the loops' cells begin behind it.
+/// The number of words of the header; the loops' cells follow it.
 pub(super) const HEADER_WORDS: usize = 4;
-/// Words of a piece.
+/// The number of words of a piece.
 pub(super) const PIECE_WORDS: usize = 8;
 /// Bit of a cell with a list.
 pub(super) const LIST: u32 = 2;
@@ -57,23 +59,23 @@ pub(super) const LIST: u32 = 2;
 pub(super) const FINER: u32 = 4;
 /// Bit of the last reference of a list.
 pub(super) const LAST: u32 = 4;
-/// Bit of a reference to a piece that its loop runs down.
+/// Bit of a reference to a piece that its loop follows downwards.
 pub(super) const FALLS: u32 = 16;
 /// Bit of the head of a path that is filled by even-odd.
 pub(super) const EVEN_ODD: i32 = 1;
 /// Bit of a cell's last head.
 pub(super) const LAST_HEAD: i32 = 2;
-/// A longer list is walked in several goes by the shader.
+/// The shader walks a longer list in several passes.
 pub(super) const LONG_LIST: usize = 32;
 
-/// A cell with more pieces than this is cut once more.
+/// A cell with more pieces than this gets a finer grid of its own.
 const CROWDED: usize = 12;
 
 /// The finished grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grid {
     pub(super) uniform_grid: UniformGrid,
-    /// The words of the pieces.
+    /// The indices of the words of the pieces.
     pub(super) pieces: Range<usize>,
     /// Length of the longest list of references.
     pub(super) longest: usize,
@@ -81,17 +83,18 @@ pub(super) struct Grid {
     pub(super) has_rules: bool,
 }
 
-/// What the loops of a surface come to.
+/// The result of [`build`].
 pub(super) enum Built {
-    /// The same everywhere: all is cut, or all is kept. Loops that only follow the border of the domain are so.
+    /// The decision is the same everywhere: everything is cut, or everything is kept. This is so, for example, if the
+    /// loops only follow the border of the domain.
     Uniform(bool),
-    /// It depends on the cell.
+    /// The decision depends on the cell.
     Cells(Grid),
 }
 
-/// Builds the grid of closed chains of monotone curves behind the header, which is all that `words`
-/// has; each fill has its rule. A place inside no fill is cut if `outside` says so, and otherwise
-/// the rest is.
+/// Builds the grid of closed chains of monotone curves and appends it to `words`, which holds only the header. Each
+/// fill has its own rule. If `outside` is true, points outside all fills are cut; otherwise points inside a fill are
+/// cut.
 pub(super) fn build(
     fills: &[(FillRule, Vec<Curve>)],
     outside: bool,
@@ -167,7 +170,7 @@ mod tests {
         }
     }
 
-    /// The bounds of every cell that can be looked up, finer ones too, and the pieces it lists.
+    /// The bounds of every cell that can be looked up, including finer cells, and the pieces that it lists.
     fn cells(grid: &Grid, words: &[u32]) -> Vec<([Bounds; 2], Vec<usize>)> {
         let mut found = Vec::new();
         let mut uniform_grids = vec![(grid.uniform_grid, HEADER_WORDS)];
@@ -219,7 +222,7 @@ mod tests {
         (0..side * side).map(lens).collect()
     }
 
-    /// Whether a piece lies on the left or right border, or is level and not within a row of cells.
+    /// Whether a piece lies on the left or right border of the domain, or is level and not within a row of cells.
     fn is_alike(piece: &Piece, [_, [bottom, top]]: [Bounds; 2]) -> bool {
         let [min, max] = piece.u_range();
         let is_within = bottom < piece.low.y && piece.low.y <= top.min(BELOW_ONE);
@@ -250,7 +253,7 @@ mod tests {
                 assert!(is_right, "{piece:?} in {bounds:?}");
             }
         }
-        // The end points alone decide how many pieces a row meets: an even number.
+        // The end points alone decide how many pieces a row meets. The number must be even.
         let stored = pieces.iter().take(50).flat_map(|piece| [piece.low.y, piece.high.y]);
         for v in stored.chain(rows.iter().copied()) {
             let met = pieces.iter().filter(|p| (p.low.y <= v) != (p.high.y <= v)).count();

@@ -1,12 +1,13 @@
-//! How often closed loops go around a point, by subdivision in `f64`: no roots, no derivatives.
+//! The winding number of closed loops around a point, computed by subdivision in `f64`, without roots or derivatives.
 
 use glam::DVec2;
 
 use super::{FillRule, Segment, TrimLoop};
 use crate::bezier::{bounding_box, split};
 
-/// Pieces smaller than this, relative to the sample's coordinates where those exceed 1, are points.
-/// Larger, and shaders in `f32` could tell; smaller, and rounding would keep pieces from shrinking.
+/// Pieces smaller than this are treated as points. The size is relative to the sample's coordinates where those
+/// exceed 1. With a larger value, shaders in `f32` could notice the difference; with a smaller value, rounding would
+/// keep pieces from shrinking.
 const POINT_SIZE: f64 = 1e-13;
 
 /// Whether `uv` lies inside an odd number of loops: whether [`winding_number`] is odd.
@@ -15,19 +16,19 @@ pub fn inside_loops(loops: &[TrimLoop], uv: DVec2) -> bool {
     FillRule::EvenOdd.fills(winding_number(loops, uv))
 }
 
-/// How often loops go around `uv`, counter-clockwise with u to the right and v upwards.
+/// How often loops go around `uv`, counted counter-clockwise with u to the right and v upwards.
 ///
-/// A ray from `uv` towards greater u crosses the loops: upwards counts 1, downwards −1. The row test
-/// `v₀ ≤ v < v₁` is half open, so that an end point shared by two curves counts once. Points closer
-/// than about 1e-13 to a curve may fall on either side.
+/// The crossings of the loops with a ray from `uv` towards greater u are added up: an upward crossing counts 1, a
+/// downward crossing −1. The row test `v₀ ≤ v < v₁` is half open, so that an end point shared by two curves counts
+/// once. Points closer than about 1e-13 to a curve may fall on either side.
 #[must_use]
 pub fn winding_number(loops: &[TrimLoop], uv: DVec2) -> i32 {
     loops.iter().flat_map(TrimLoop::segments).map(|segment| ray_crossings(segment, uv)).sum()
 }
 
-/// How often a curve crosses the ray from `uv` towards greater u upwards, less how often downwards:
-/// what [`winding_number`] adds up. Only curves whose control points have v on both sides of `uv`'s
-/// count.
+/// How often a curve crosses the ray from `uv` towards greater u upwards, minus how often it crosses the ray
+/// downwards. [`winding_number`] is the sum of these differences. Only curves that have control points both above and
+/// below the row of `uv` contribute.
 #[must_use]
 pub fn ray_crossings(segment: &Segment, uv: DVec2) -> i32 {
     match *segment {
@@ -44,7 +45,7 @@ fn crossings<const N: usize>(points: [DVec2; N], uv: DVec2) -> i32 {
     }
     let point_size = POINT_SIZE * uv.abs().max_element().max(1.0);
     if uv.x < min.x || (max - min).max_element() < point_size {
-        // The whole piece lies on the ray's side: only where it ends matters.
+        // The whole piece lies on the side of the ray, or it counts as a point: only its ends matter.
         return i32::from(points[0].y <= uv.y) - i32::from(points[N - 1].y <= uv.y);
     }
     let [first, second] = split(&points, |a, b| (a + b) * 0.5);

@@ -1,7 +1,7 @@
-//! SVG path data in (u, v) into loops.
+//! Converts SVG path data in (u, v) to loops.
 //!
-//! svgtypes reads the text and kurbo makes arcs into cubics. (kurbo's own reader takes anything that
-//! it does not know for the end of the path, and is 2.7·10⁻⁴ of the radius off for arcs.)
+//! svgtypes parses the text, and kurbo converts arcs to cubics. (kurbo's own parser treats everything that it does
+//! not know as the end of the path, and its arcs are off by 2.7·10⁻⁴ of the radius.)
 
 use glam::DVec2;
 use kurbo::{Arc, PathEl, SvgArc};
@@ -10,16 +10,16 @@ use svgtypes::{PathParser, PathSegment};
 use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_counts, check_finite};
 use crate::error::{Error, Result};
 
-/// The largest distance of the cubics of an arc from it, in the unit of the domain. (Radii from about 1e8
-/// on are too large for `f64` to be that exact.)
+/// The maximum distance between an arc and its cubics, in the unit of the domain. (For radii from about 1e8 on, `f64`
+/// is not precise enough for this.)
 const ARC_TOLERANCE: f64 = 1e-8;
 
 impl Trims {
     /// Adds the loops of SVG path data: see [`TrimLoop::from_svg_path`].
     ///
     /// # Errors
-    /// As there, and more than 1,000,000 segments in all loops together; loops are numbered as they
-    /// would be in these trims, which stay as they were.
+    /// As there, and more than 1,000,000 segments in all loops together. Errors number the loops as if they were
+    /// already in these trims. The trims stay as they were.
     pub fn add_svg_path(&mut self, data: &str) -> Result<()> {
         let before = self.loops.len();
         let loops = read(data, before)?;
@@ -30,19 +30,19 @@ impl Trims {
 }
 
 impl TrimLoop {
-    /// The loops of SVG path data in (u, v): every command of SVG, absolute and relative. Arcs become
-    /// cubics with an error of at most 1e-8 of the domain. Each subpath is a loop: as SVG fills them, one that
-    /// does not end where it began is closed by a line, and one without segments is ignored.
+    /// The loops of SVG path data in (u, v). All commands of SVG are supported, absolute and relative. Arcs become
+    /// cubics with an error of at most 1e-8 of the domain. Each subpath is a loop. As when SVG fills a path, a
+    /// subpath that does not end where it began is closed by a line, and a subpath without segments is ignored.
     ///
     /// # Errors
-    /// Text that is no path data, with the place of the fault; a path without any segment; a number that is not
-    /// finite, by the numbers of loop and segment.
+    /// Text that is not path data, with the position of the error; a path without any segment; a number that is not
+    /// finite, with the numbers of the loop and the segment.
     pub fn from_svg_path(data: &str) -> Result<Vec<Self>> {
         read(data, 0)
     }
 }
 
-/// Reads the loops of a path, of which the first has the number `first` in the errors.
+/// Reads the loops of a path. Errors number the loops from `first` on.
 fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
     let mut reader = Reader { first, sizes: sizes(data)?, ..Reader::default() };
     for segment in PathParser::from(data) {
@@ -55,7 +55,7 @@ fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
     Ok(loops)
 }
 
-/// The loops of a path's segments; subpaths as [`TrimLoop::from_svg_path`] takes them.
+/// The loops of a path's segments. Subpaths are treated as in [`TrimLoop::from_svg_path`].
 #[cfg(feature = "svg")]
 pub(super) fn loops_of(segments: impl Iterator<Item = PathSegment>) -> Result<Vec<TrimLoop>> {
     let mut reader = Reader::default();
@@ -65,7 +65,7 @@ pub(super) fn loops_of(segments: impl Iterator<Item = PathSegment>) -> Result<Ve
     reader.finish()
 }
 
-/// How many commands each subpath has, so that memory can be taken once.
+/// The number of commands of each subpath, so that its memory is allocated only once.
 fn sizes(data: &str) -> Result<Vec<usize>> {
     let mut sizes = Vec::new();
     let mut open = false;
@@ -82,7 +82,7 @@ fn sizes(data: &str) -> Result<Vec<usize>> {
     Ok(sizes)
 }
 
-/// The error of text that is no path data.
+/// The error for text that is not path data.
 pub(super) fn unreadable_path(data: &str, error: &svgtypes::Error) -> Error {
     const SHOWN: usize = 24;
     let start: String = data.trim().chars().take(SHOWN).collect();
@@ -97,13 +97,13 @@ struct Reader {
     sizes: Vec<usize>,
     loops: Vec<TrimLoop>,
     segments: Vec<Segment>,
-    /// Segments of the loops.
+    /// The number of segments of the finished loops.
     closed: usize,
     start: DVec2,
     current: DVec2,
     /// The last control point, for the smooth commands of its degree.
     last_control: Option<Control>,
-    /// A subpath has begun that is not closed yet.
+    /// Whether a subpath has begun that is not closed yet.
     open: bool,
 }
 
@@ -191,7 +191,7 @@ impl Reader {
     }
 
     fn arc(&mut self, radii: DVec2, rotation: f64, flags: [bool; 2], to: DVec2) -> Result<()> {
-        // Finite, because their size decides the number of cubics.
+        // The values must be finite, because their size decides the number of cubics.
         let number = self.segments.len();
         for (name, point) in [("radii", radii), ("end", to), ("start", self.current)] {
             check_finite(&format!("{name} of the arc in segment {number}"), point)
@@ -208,7 +208,7 @@ impl Reader {
             large_arc: flags[0],
             sweep: flags[1],
         };
-        // Without a radius or a length it is a line, as SVG wants it.
+        // An arc without a radius or a length is a line, as SVG requires.
         if let Some(arc) = Arc::from_svg_arc(&svg_arc) {
             for element in arc.append_iter(ARC_TOLERANCE) {
                 if let PathEl::CurveTo(a, b, c) = element {
@@ -216,7 +216,7 @@ impl Reader {
                     self.cubic(a, b, c);
                 }
             }
-            // Few letters make many cubics.
+            // A short text can produce many cubics.
             check_count(self.first + self.loops.len(), self.segments.len(), self.closed)?;
         }
         match self.segments[number..].last_mut() {

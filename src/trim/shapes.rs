@@ -1,5 +1,5 @@
-//! Circles, intervals and ellipses as the exact method tests them: by their equations, so that no
-//! curve stands in for a circle. Many of them get a grid of their own.
+//! Circles, intervals and ellipses in the exact method. They are tested by their equations, not by curves that
+//! approximate them. They have a grid of their own, because there may be many of them.
 
 use glam::{DVec2, UVec2, Vec2};
 
@@ -7,17 +7,18 @@ use super::grid::{LIST, end_list};
 use super::uniform_grid::UniformGrid;
 use super::{Circle, Ellipse, Rect, Trims};
 
-/// Words of a shape in the shader's buffer.
+/// The number of words of a shape in the shader's buffer.
 pub(super) const SHAPE_WORDS: usize = 8;
 
-/// Cells along a side.
+/// The allowed numbers of cells along a side of the grid.
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
-/// Cells that all shapes together may touch: this number for each shape, and at least `MAX_CELLS`.
+/// The maximum number of cells that all shapes together may touch is this number times the number of shapes, but no
+/// less than `MAX_CELLS`.
 const MAX_CELLS_PER_SHAPE: f64 = 16.0;
 const MAX_CELLS: f64 = 65_536.0;
-/// Cells are taken as this much larger than they are when something is said of all their samples.
+/// Cells are enlarged by this much when a statement must hold for all their samples.
 const MARGIN: f64 = 1e-6;
-/// Shapes thinner than this hold no sample that could be told from their border.
+/// Circles and ellipses with a smaller radius contain no sample that could be told from their border.
 const THINNEST: f64 = 1e-9;
 
 #[derive(Clone, Copy)]
@@ -27,7 +28,7 @@ enum Shape {
 }
 
 impl Shape {
-    /// Least and greatest (u, v).
+    /// Minimum and maximum (u, v).
     fn extent(&self) -> [DVec2; 2] {
         match self {
             Self::Ellipse(Ellipse { center, radii }) => [center - radii, center + radii],
@@ -45,7 +46,7 @@ impl Shape {
     /// Whether it cuts anything in a box.
     fn touches(&self, [min, max]: [DVec2; 2]) -> bool {
         match self {
-            // The point of the box that is nearest in the ellipse's own measure.
+            // The point of the box that is nearest to the centre, in the metric of the ellipse.
             Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(min, max)),
             Self::Rect(_) => {
                 let [low, high] = self.extent();
@@ -54,16 +55,16 @@ impl Shape {
         }
     }
 
-    /// Whether it cuts everything in a box: shapes are convex.
+    /// Whether it cuts everything in a box. The corners decide this, because shapes are convex.
     fn covers(&self, [min, max]: [DVec2; 2]) -> bool {
         [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)]
             .into_iter()
             .all(|corner| self.cuts(corner))
     }
 
-    /// Ellipses are a polynomial, with s and t counted from the domain's point that is nearest to
-    /// the centre: a s² + b t² + c s + d t + e ≤ 0. There `f32` is precise enough, however large
-    /// the ellipse and however far its centre.
+    /// An ellipse is stored as a polynomial: a s² + b t² + c s + d t + e ≤ 0. The origin of s and t is the point of
+    /// the domain that is nearest to the centre. With this origin `f32` is precise enough, however large the ellipse
+    /// is and however far away its centre.
     fn words(&self) -> [u32; SHAPE_WORDS] {
         let words = match self {
             Self::Ellipse(Ellipse { center, radii }) => {
@@ -83,7 +84,7 @@ impl Shape {
         words.map(f32::to_bits)
     }
 
-    /// How references tell the kinds apart.
+    /// The number of the kind in references.
     const fn kind(&self) -> u32 {
         match self {
             Self::Ellipse(_) => 0,
@@ -107,12 +108,11 @@ pub(super) fn cuts(words: &[u32], reference: u32, uv: Vec2) -> bool {
     terms.x + terms.y + word(6) <= 0.0
 }
 
-/// Builds the grid of the shapes that are switched on, behind what is in `words`, which fills whole
-/// texels of four. The second value tells where its cells begin; None if
-/// they cut nothing.
+/// Builds the grid of the shapes that are switched on and appends it to `words`, which must contain whole texels of
+/// four words. The second value is the index of the word where the cells begin. `None` if no shape can cut anything.
 ///
-/// A cell is 0 (nothing in it is cut), 1 (all of it is), or offset · 8 + 2: a list of references there.
-/// A reference is texel · 8 + kind, plus 4 for the last of a list.
+/// A cell is 0 (nothing in it is cut), 1 (everything in it is cut), or offset · 8 + 2 (a list of references at that
+/// offset). A reference is texel · 8 + kind, plus 4 for the last reference of a list.
 pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(UniformGrid, usize)> {
     let shapes = shapes_of(trims);
     let first = words.len();
@@ -159,7 +159,7 @@ fn side_for(shapes: &[Shape]) -> u32 {
     side as u32
 }
 
-/// Writes the cells: covered by one shape, or with a list of those that touch them.
+/// Writes the cells. A cell is covered by one shape, or it has a list of the shapes that touch it.
 fn fill(
     shapes: &[Shape],
     uniform_grid: &UniformGrid,

@@ -1,4 +1,4 @@
-//! SVG documents into paths.
+//! Converts SVG documents to paths.
 //!
 //! usvg reads them and resolves styles, references, shapes and transforms. It keeps coordinates in
 //! `f32`, and its arcs and circles are cubics that are off by up to 2.8·10⁻⁴ of the radius.
@@ -18,17 +18,17 @@ use super::{FillRule, TrimPath};
 use crate::error::{Error, Result};
 use document::{ReducedDocument, STYLE};
 
-/// Elements may be 1,024 deep, for which the stack of a thread can be too small.
+/// Elements may be nested 1,024 deep. The stack of the calling thread may be too small for that.
 const STACK_BYTES: usize = 64 << 20;
 
 impl TrimPath {
     /// The filled shapes of an SVG document, with its transforms and fill rules.
     ///
-    /// The picture of the document is fitted into the domain: its longer side goes from 0 to 1, the
-    /// shorter one lies in the middle, and its top is towards v = 1. Its size is `width` by `height`, or
-    /// else that of the view box, or else it ends where the shapes end.
+    /// The picture of the document is fitted into the domain: its longer side goes from 0 to 1, its shorter side is
+    /// centred, and its top is towards v = 1. The size of the picture is `width` by `height`, or else that of the
+    /// view box. Without either, the picture ends where the shapes end.
     ///
-    /// Strokes, markers, text, pictures, clips, masks and filters are not taken.
+    /// Strokes, markers, text, pictures, clips, masks and filters are ignored.
     ///
     /// # Errors
     /// Text that is not an SVG document; invalid path data; a document that fills nothing; more than
@@ -38,7 +38,7 @@ impl TrimPath {
     }
 }
 
-/// The paths, and the names of what was not taken.
+/// The paths, and the names of the features that were ignored.
 pub(crate) fn read(text: &str) -> Result<(Vec<TrimPath>, Vec<&'static str>)> {
     std::thread::scope(|scope| {
         let thread = std::thread::Builder::new().stack_size(STACK_BYTES);
@@ -69,10 +69,10 @@ fn read_on_this_stack(text: &str) -> Result<(Vec<TrimPath>, Vec<&'static str>)> 
 }
 
 struct Reader {
-    /// Of the picture, in its own unit.
+    /// The size of the picture in its own unit.
     size: DVec2,
     paths: Vec<TrimPath>,
-    /// Names of what is not taken.
+    /// Names of the ignored features.
     ignored: BTreeSet<&'static str>,
 }
 
@@ -113,7 +113,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A segment in the domain.
+    /// A segment, transformed into the domain.
     fn placed(&self, segment: UsvgSegment, transform: Transform) -> PathSegment {
         let Transform { sx, kx, ky, sy, tx, ty } = transform;
         let [x_axis, y_axis, origin] =
@@ -156,7 +156,7 @@ mod tests {
         crate::trim::Trims { paths, ..crate::trim::Trims::default() }
     }
 
-    /// Places inside, on a uniform grid of `N` × `N`, from v = 1 downwards.
+    /// Which points of a uniform grid of `N` × `N` are inside, row by row from v = 1 downwards.
     fn picture<const N: usize>(document: &str) -> Vec<String> {
         let trims = trims(document);
         let middle = |i: usize| (i as f64 + 0.5) / N as f64;
@@ -253,7 +253,7 @@ mod tests {
             let is_paint = matches!(element, "pattern" | "linearGradient");
             assert_eq!(TrimPath::from_svg(&filled).is_ok(), is_paint, "{element}");
         }
-        // Where references count, they end.
+        // References of `use` elements are followed, but only up to a limit.
         let uses: String = (0..3_000)
             .map(|i| format!(r##"<g id="i{i}"><use href="#i{}"/></g>"##, i + 1))
             .collect();

@@ -1,28 +1,30 @@
-//! A box cut into equal cells, in the `f32` arithmetic of the shaders: every sample has one cell.
+//! A box that is cut into equal cells. The `f32` arithmetic is that of the shaders, so every sample has exactly one
+//! cell.
 
 use glam::{UVec2, Vec2};
 
-/// The greatest sample: `f32`'s last number below 1. The far borders of the domain belong to the cells before them.
+/// The largest coordinate of a sample: the largest `f32` below 1. The far borders of the domain belong to the cells
+/// before them.
 pub(super) const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 /// A box cut into columns along u and rows along v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UniformGrid {
-    /// Least corner.
+    /// Minimum corner.
     pub(crate) min: Vec2,
-    /// Greatest corner.
+    /// Maximum corner.
     pub(crate) max: Vec2,
-    /// Cells for each unit of the domain, such that no sample of the box is beyond the last.
+    /// Cells per unit of the domain, chosen so that no sample of the box lies beyond the last cell.
     pub(crate) scale: Vec2,
     /// Columns and rows.
     pub(crate) size: UVec2,
 }
 
-/// Bounds that are surely below and above every sample of a column or row.
+/// Lower and upper bound of every sample of a column or row.
 pub(super) type Bounds = [f32; 2];
 
 impl UniformGrid {
-    /// The uniform grid over the domain: the shader needs to know no more than how many columns it has.
+    /// The uniform grid over the domain. The shader needs to know only its number of columns.
     pub(super) fn of_domain(side: u32) -> Self {
         Self::new(Vec2::ZERO, Vec2::ONE, side)
     }
@@ -42,7 +44,7 @@ impl UniformGrid {
         Self { min, max, scale, size }
     }
 
-    /// Words of a uniform grid in the shader's buffer.
+    /// The number of words of a uniform grid in the shader's buffer.
     pub(super) const WORDS: usize = 5;
 
     pub(super) fn words(&self) -> [u32; Self::WORDS] {
@@ -51,7 +53,7 @@ impl UniformGrid {
         [u, v, scale_u, scale_v, self.size.x]
     }
 
-    /// The uniform grid of such words; they do not tell its greatest corner and its rows.
+    /// The uniform grid that such words store. Its maximum corner and its number of rows are not stored.
     pub(super) fn from_words(words: &[u32]) -> Self {
         let point = |i: usize| Vec2::new(f32::from_bits(words[i]), f32::from_bits(words[i + 1]));
         let size = UVec2::new(words[4], 0);
@@ -67,7 +69,7 @@ impl UniformGrid {
         ((uv - self.min) * self.scale).as_uvec2()
     }
 
-    /// The number of a sample's cell, row by row.
+    /// The number of a sample's cell; cells are numbered row by row.
     pub(super) fn cell_of(&self, uv: Vec2) -> usize {
         let cell = self.cell(uv);
         (cell.y * self.size.x + cell.x) as usize
@@ -99,14 +101,15 @@ impl UniformGrid {
     }
 }
 
-/// The columns or rows that the closed range from `least` to `most` touches.
+/// The columns or rows that the closed range from `min` to `max` touches.
 pub(super) fn touched(bounds: &[Bounds], [min, max]: [f32; 2]) -> std::ops::Range<usize> {
     let first = count_before(bounds, min, |[_, high]| *high < min);
     let end = count_before(bounds, max, |[low, _]| *low <= max);
     first..end.max(first)
 }
 
-/// How many of equal columns or rows hold `is_before`, which those up to about `x` do.
+/// The number of columns or rows for which `is_before` holds. All have equal size, and it holds for those up to about
+/// `x`.
 pub(super) fn count_before(
     bounds: &[Bounds],
     x: f32,

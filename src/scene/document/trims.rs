@@ -10,13 +10,13 @@ use crate::scene::{svg, unreadable};
 use crate::thesis::newton::NewtonTrims;
 use crate::trim::{Circle, Ellipse, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
 
-/// The trims of one table, and where they stand.
+/// The trims of one table, and where they are in the text.
 pub(super) struct PlacedTrims {
     pub(super) trims: Trims,
     pub(super) places: TrimPlaces,
 }
 
-/// The bytes of the text where each loop and each path stands.
+/// The byte offset in the text of each loop and of each path.
 #[derive(Clone, Default)]
 pub(super) struct TrimPlaces {
     loops: Vec<usize>,
@@ -101,7 +101,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// A warning with the line of a byte of the text.
+    /// Logs a warning with the line of a byte of the text.
     fn warn(&self, place: usize, words: &str) {
         log::warn!("{}:{}: {words}", self.path.display(), line_of(self.text, place));
     }

@@ -10,21 +10,21 @@ use crate::scene::Surface;
 /// State of the free-form statements that were read.
 #[derive(Debug, Default)]
 pub(super) struct FreeForm {
-    /// `cstype`: whether weights count, and what kind of curves there are.
+    /// From `cstype`: whether weights are used, and the kind of the curves.
     rational: bool,
     kind: String,
-    /// `deg`.
+    /// From `deg`.
     degrees: [usize; 2],
-    /// Control points of the surface that was begun.
+    /// The indices of the control points of the current surface.
     points: Option<Vec<i64>>,
-    /// How many parameters `parm u` and `parm v` have.
+    /// The numbers of parameters of `parm u` and `parm v`.
     parameters: [usize; 2],
     patches: Vec<Patch>,
     /// Unsupported elements, with their counts.
     left_out: BTreeMap<String, usize>,
 }
 
-/// Numbers of control points, from 0, row by row, u along a row.
+/// A patch. Its control points are indices from 0, row by row, with u along a row.
 #[derive(Debug)]
 struct Patch {
     line: usize,
@@ -34,10 +34,10 @@ struct Patch {
 }
 
 impl FreeForm {
-    /// Takes a statement; whether it is one of these. `count` positions stand above.
+    /// Reads a statement. Returns whether it is a free-form statement. `count` is the number of positions above it.
     ///
     /// # Errors
-    /// A surface whose control points are not those of its degrees and parameters.
+    /// A surface whose number of control points does not match its degrees and parameters.
     pub(super) fn statement<'a>(
         &mut self,
         name: &str,
@@ -58,7 +58,7 @@ impl FreeForm {
                 self.degrees = [degree()?, degree()?];
             }
             "surf" => {
-                // Four ends of the parameters come first.
+                // The ends of the two parameter ranges, four values, come first.
                 let corners = words.skip(4).map(|word| {
                     let index = word.split('/').next().unwrap_or_default();
                     let index: i64 =
@@ -145,7 +145,7 @@ impl FreeForm {
     /// Takes the patches as surfaces, one surface for each degree that occurs.
     ///
     /// # Errors
-    /// The line of a control point that is not there or has no weight above 0, and what is wrong.
+    /// A control point that does not exist, or whose weight is not above 0: the line and a message.
     pub(super) fn take_surfaces(
         &mut self,
         positions: &[DVec3],

@@ -1,7 +1,7 @@
 //! Materials of OBJ files: the colours and pictures of `.mtl` files.
 //!
-//! The reader is our own: tobj 4.0.5 refuses whole files for one number that it does not understand, and
-//! takes the options of a picture for a part of its name.
+//! The parser is our own: tobj 4.0.5 refuses a whole file because of one number that it cannot parse, and it treats
+//! the options of a picture as part of the picture's name.
 
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,8 @@ use std::sync::Arc;
 use crate::scene::file::{line_of, read_bytes};
 use crate::scene::{Image, Paint, load_texture};
 
-/// Options of pictures and how many words follow each at most; those in brackets of the format may be missing.
+/// Options of pictures, and the maximum number of arguments of each. Arguments that the format's specification puts
+/// in brackets may be missing.
 const OPTIONS: [(&str, usize); 13] = [
     ("-blendu", 1),
     ("-blendv", 1),
@@ -26,7 +27,7 @@ const OPTIONS: [(&str, usize); 13] = [
     ("-texres", 1),
     ("-type", 1),
 ];
-/// Statements that every exporter writes, of lights that are not drawn here.
+/// Statements that every exporter writes, for lighting that is not drawn here.
 const COMMON: [&str; 11] =
     ["Ka", "Ks", "Ke", "Ns", "Ni", "Tf", "Pr", "Pm", "illum", "sharpness", "aniso"];
 
@@ -40,7 +41,7 @@ pub(super) struct Materials {
 }
 
 impl Materials {
-    /// Reads a material library; what is missing or not understood is warned of.
+    /// Reads a material library. Missing files and unknown statements only cause warnings.
     pub(super) fn read(&mut self, path: &Path) {
         if self.files.iter().any(|file| file == path) {
             return;
@@ -67,7 +68,7 @@ impl Materials {
                 }
                 "Kd" => match (&name, color(rest)) {
                     (Some(name), Some(color)) => {
-                        // A picture wins, in whatever order they stand.
+                        // A picture overrides the colour, regardless of their order.
                         let paint = self.paints.entry(name.clone()).or_default();
                         if matches!(paint, Paint::Color(_)) {
                             *paint = Paint::Color(color);
@@ -113,7 +114,7 @@ impl Materials {
         }
     }
 
-    /// A picture beside a material library, read once.
+    /// A picture beside a material library; each picture is read once.
     fn picture(&mut self, library: &Path, name: &str) -> Option<Arc<Image>> {
         let path = beside(library, name);
         if !self.pictures.contains_key(&path) {
@@ -125,13 +126,13 @@ impl Materials {
         self.pictures[&path].clone()
     }
 
-    /// The paint of a name; none if no library has it.
+    /// The paint of a material's name; `None` if no library has it.
     pub(super) fn paint(&self, name: &str) -> Option<&Paint> {
         self.paints.get(name)
     }
 }
 
-/// A file that another one names, also as Windows writes it.
+/// The path of a file that another file names, also with the separators of Windows.
 pub(super) fn beside(file: &Path, name: &str) -> PathBuf {
     file.parent().unwrap_or_else(|| Path::new("")).join(name.replace('\\', "/"))
 }
@@ -139,7 +140,7 @@ pub(super) fn beside(file: &Path, name: &str) -> PathBuf {
 fn color(text: &str) -> Option<[f32; 3]> {
     let mut numbers = text.split_whitespace().map(|word| word.parse::<f32>().ok());
     let red = numbers.next()??;
-    // One number is grey.
+    // A single number is a grey value.
     let color = match (numbers.next(), numbers.next()) {
         (None, _) => [red; 3],
         (green, blue) => [red, green??, blue??],
@@ -147,7 +148,7 @@ fn color(text: &str) -> Option<[f32; 3]> {
     color.iter().all(|value| (0.0..=1.0).contains(value)).then_some(color)
 }
 
-/// The name of a picture's file without the options before it, and whether there are some.
+/// The name of a picture's file without the options before it, and whether there are any options.
 fn picture_name(text: &str) -> (&str, bool) {
     let mut rest = text;
     let mut options = false;
@@ -160,7 +161,7 @@ fn picture_name(text: &str) -> (&str, bool) {
         rest = after.trim_start();
         for argument in 0..*max {
             let (word, after) = rest.split_once(char::is_whitespace).unwrap_or((rest, ""));
-            // The first argument may be a word; those that may be missing are numbers.
+            // The first argument may be a word; arguments that may be missing are numbers.
             if after.is_empty() || argument > 0 && word.parse::<f32>().is_err() {
                 break;
             }

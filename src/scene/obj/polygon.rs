@@ -1,16 +1,17 @@
-//! Polygons of a file into triangles that keep every edge of theirs.
+//! Cuts polygons of a file into triangles that keep every edge of the polygon.
 
 use glam::{DVec2, DVec3};
 
 use crate::bezier::bounding_box;
 
-/// The sine of an angle below which a corner is taken for straight: rounding may have turned it.
+/// A corner whose angle has a sine below this is treated as straight, because its turn may come from rounding.
 const STRAIGHT: f64 = 1e-12;
 
-/// The n − 2 triangles of a polygon of n ≥ 3 corners, as numbers of its corners, turning as it does: a fan
-/// around the first corner if the polygon is convex, else by cutting off ears. The polygon may be slightly bent
-/// and concave, have corners on its straight edges, and reach its holes by an edge that runs there and back.
-/// Of one that crosses itself the triangles have the same edges, but overlap.
+/// The n − 2 triangles of a polygon of n ≥ 3 corners, as indices of its corners, with the orientation of the polygon.
+/// A convex polygon becomes a fan around its first corner; any other polygon is triangulated by ear clipping. The
+/// polygon may be slightly non-planar and concave, have corners on its straight edges, and be connected to its holes
+/// by an edge that runs there and back. The triangles of a self-intersecting polygon also keep its edges, but they
+/// overlap.
 pub(super) fn triangles(corners: &[DVec3]) -> Vec<[usize; 3]> {
     let flat = flattened(corners);
     if corners.len() == 3 || is_convex(&flat) {
@@ -19,8 +20,9 @@ pub(super) fn triangles(corners: &[DVec3]) -> Vec<[usize; 3]> {
     Ears::new(&flat).cut()
 }
 
-/// The corners seen along the axis that is nearest to the polygon's normal (Newell's), turning left. That is
-/// exact, and turns of a plane polygon stay what they are.
+/// The corners projected along the coordinate axis that is nearest to the polygon's normal (Newell's method), so that
+/// the polygon turns left. The projection is exact. In a planar polygon, it does not change whether a corner is
+/// convex.
 fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
     let first = corners[0];
     let sides = corners.iter().zip(corners.iter().cycle().skip(1));
@@ -37,7 +39,7 @@ fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
     corners.iter().map(|corner| DVec2::new(turned * corner[x], corner[y])).collect()
 }
 
-/// Twice the area of a triangle, above 0 if it turns left.
+/// Twice the signed area of a triangle; above 0 if the triangle turns left.
 fn turn([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - b)
 }
@@ -47,34 +49,34 @@ fn is_clear(triangle @ [a, b, c]: [DVec2; 3]) -> bool {
     turn(triangle) > STRAIGHT * a.distance(b) * b.distance(c)
 }
 
-/// Whether all corners turn left, once around.
+/// Whether all corners turn left and the polygon goes around only once.
 fn is_convex(corners: &[DVec2]) -> bool {
     let count = corners.len();
     let at = |i: usize| corners[i % count];
-    // Once around, the sides go to the right once and to the left once.
+    // In one turn around, the direction of the sides changes once from left to right and once from right to left.
     let to_right =
         |i: usize| at(i + 1).x > at(i).x || at(i + 1).x == at(i).x && at(i + 1).y < at(i).y;
     let changes = (0..count).filter(|i| to_right(*i) != to_right(i + 1)).count();
     changes == 2 && (0..count).all(|i| is_clear([at(i), at(i + 1), at(i + 2)]))
 }
 
-/// Which corners may be cut off, from strict to lax.
+/// Which corners may be cut off as ears, from strict to permissive.
 #[derive(Clone, Copy, PartialEq)]
 enum Rule {
     /// A corner that turns left, with nothing in its triangle.
     Clear,
-    /// A straight corner: the rest has no area, or is bent.
+    /// A straight corner, for a remaining polygon that has no area or is not planar.
     Straight,
-    /// Any corner: the rest crosses itself.
+    /// Any corner, for a remaining polygon that intersects itself.
     Any,
 }
 
-/// A polygon of which corners are cut off.
+/// The state of ear clipping: the polygon that remains.
 struct Ears<'a> {
     corners: &'a [DVec2],
     before: Vec<usize>,
     after: Vec<usize>,
-    /// The corners that are still there and do not turn left: only they can lie in an ear.
+    /// The remaining corners that do not turn left: only these can lie in an ear.
     blockers: Blockers,
 }
 
@@ -135,7 +137,7 @@ impl<'a> Ears<'a> {
             }
             left -= 1;
             (rule, since_last) = (Rule::Clear, 0);
-            // Not the next corner: ears all around make better triangles than a fan.
+            // The next corner is skipped: ears all around the polygon make better triangles than a fan.
             corner = self.after[after];
         }
         triangles.push([self.before[corner], corner, self.after[corner]]);
@@ -143,10 +145,10 @@ impl<'a> Ears<'a> {
     }
 }
 
-/// Corners that may lie in ears, by cells of a grid.
+/// Corners that may lie in ears, sorted into the cells of a grid.
 struct Blockers {
     low: DVec2,
-    /// Cells a unit.
+    /// Cells per unit.
     scale: DVec2,
     columns: usize,
     cells: Vec<Vec<(usize, DVec2)>>,
@@ -178,7 +180,8 @@ impl Blockers {
         self.cell(at).retain(|(other, _)| *other != corner);
     }
 
-    /// Whether one lies in a triangle or on its border, but for its corners and what lies on them.
+    /// Whether any of these corners lies in a triangle or on its border. Corners at the positions of the triangle's
+    /// own corners do not count.
     fn any_in(&self, [a, b, c]: [DVec2; 3]) -> bool {
         let [low_x, low_y] = self.place(a.min(b).min(c));
         let [high_x, high_y] = self.place(a.max(b).max(c));
@@ -212,7 +215,7 @@ mod tests {
         (0..corners.len()).map(|i| corners[i].perp_dot(corners[(i + 1) % corners.len()])).sum()
     }
 
-    /// Checks the triangles of a simple polygon that turns left, wherever it lies.
+    /// Checks the triangles of a simple polygon that turns left and is placed in space by a matrix.
     fn check(corners: &[DVec2], to_space: &DMat3) {
         let in_space: Vec<DVec3> =
             corners.iter().map(|corner| *to_space * corner.extend(0.0)).collect();
@@ -230,7 +233,7 @@ mod tests {
                 *edges.entry((triangle[k], triangle[(k + 1) % 3])).or_default() += 1;
             }
         }
-        // Together with turning left, this says that nothing overlaps.
+        // As all triangles turn left, this shows that nothing overlaps.
         assert!((sum - whole).abs() < 1e-9 * whole, "{sum} {whole}");
         for ((from, to), times) in &edges {
             let inner = edges.contains_key(&(*to, *from));
@@ -310,7 +313,7 @@ mod tests {
 
     #[test]
     fn corners_on_straight_edges_stay() {
-        // An L, with many corners on each side, of numbers that are not exact.
+        // An L with many corners on each side, at coordinates that are not exact.
         let l = [(0.0, 0.0), (0.3, 0.0), (0.3, 0.1), (0.1, 0.1), (0.1, 0.7), (0.0, 0.7)];
         let l = l.map(|(x, y)| dvec2(x, y));
         for on_each in 0..12 {
@@ -358,7 +361,7 @@ mod tests {
 
     #[test]
     fn many_corners_take_no_time() {
-        // A comb of 100,000 corners: seconds if every ear looked at every corner.
+        // A comb of 100,000 corners: it would take seconds if each ear test visited every corner.
         let mut corners = vec![DVec3::ZERO, dvec3(25_000.0, 0.0, 0.0)];
         for i in (0..25_000).rev() {
             let x = f64::from(i);

@@ -13,14 +13,14 @@ use crate::error::{Error, Result};
 use crate::mesh::{Corner, Mesh};
 use crate::scene::{bpt::shortened, file::unreadable};
 
-/// The longest line, in bytes, with those that go on from it: a face of some ten thousand corners.
+/// The maximum length of a line in bytes, including its continuation lines: a face of some ten thousand corners.
 const MAX_LINE: usize = 1 << 20;
 
-/// Everything read until now.
+/// Everything that was read so far.
 #[derive(Default)]
 pub(super) struct Obj {
     pub(super) positions: Vec<DVec3>,
-    /// Of positions, from 0 to 1; none if no position has a colour.
+    /// Colours of positions, from 0 to 1; empty if no position has a colour.
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) normals: Vec<DVec3>,
     pub(super) coordinates: Vec<DVec2>,
@@ -28,17 +28,17 @@ pub(super) struct Obj {
     /// Names of material libraries, and of the materials that are used.
     pub(super) libraries: Vec<String>,
     pub(super) material_names: Vec<String>,
-    /// Which triangles have which material; none if no face has one.
+    /// Which triangles have which material; empty if no face has a material.
     pub(super) runs: Vec<Run>,
-    /// Weights of positions; none if no position has one.
+    /// Weights of positions; empty if no position has a weight.
     weights: Vec<f64>,
     free_form: FreeForm,
-    /// The material that faces get now.
+    /// The current material, which new faces get.
     material: u32,
     numbers_of_materials: HashMap<String, u32>,
-    /// Faces of what does not stand above them.
+    /// Faces that refer to elements further down in the file.
     late: Vec<LateFace>,
-    /// Elements that are not drawn.
+    /// The numbers of elements that are not drawn.
     lines: usize,
     points: usize,
 }
@@ -92,7 +92,7 @@ impl Obj {
         Ok(obj)
     }
 
-    /// Reads a line; what is wrong with it is the error.
+    /// Reads a line; the error is a message.
     fn statement(&mut self, line: &str, number: usize) -> Result<(), String> {
         let line = line.split('#').next().unwrap_or_default().trim();
         let mut words = line.split_ascii_whitespace();
@@ -101,12 +101,12 @@ impl Obj {
             "v" => self.position(words)?,
             "vn" => self.normals.push(DVec3::from_array(numbers("normal", words, 3)?)),
             "vt" => {
-                // The second number may be missing, a third may follow.
+                // The second number may be missing, and a third may follow.
                 let [u] = numbers("texture coordinate", words.clone(), 3)?;
                 let v = words.nth(1).map_or(Ok(0.0), finite)?;
                 self.coordinates.push(DVec2::new(u, v));
             }
-            // "fo" is what version 2 called it.
+            // Version 2 of the format called it "fo".
             "f" | "fo" => self.face(words, number)?,
             "l" => self.lines += 1,
             "p" => self.points += words.count().max(1),
@@ -141,7 +141,7 @@ impl Obj {
             self.weights.resize(self.positions.len(), 1.0);
             self.weights.push(fourth);
         }
-        // Red, green and blue follow, and maybe how opaque it is.
+        // Red, green and blue follow, and optionally the opacity.
         if count >= 6 {
             self.colors.resize(self.positions.len(), [1.0; 3]);
             self.colors.push([values[3], values[4], values[5]].map(|value| value as f32));
@@ -197,7 +197,7 @@ impl Obj {
         Ok(())
     }
 
-    /// Positions, texture coordinates and normals that stand above.
+    /// The numbers of positions, texture coordinates and normals read so far.
     fn counts(&self) -> [usize; 3] {
         [self.positions.len(), self.coordinates.len(), self.normals.len()]
     }
@@ -228,7 +228,7 @@ impl Obj {
         }
     }
 
-    /// Errors that can only be found at the end of the file, with their line.
+    /// Adds the faces that refer to later elements, and scales the colours. Errors come with their line.
     fn finish(&mut self) -> Result<(), (usize, String)> {
         let counts = self.counts();
         for LateFace { line, material, corners } in std::mem::take(&mut self.late) {
@@ -239,7 +239,7 @@ impl Obj {
         }
         if !self.colors.is_empty() {
             self.colors.resize(self.positions.len(), [1.0; 3]);
-            // Some programs write them as bytes.
+            // Some programs write colours as bytes.
             let max = self.colors.iter().flatten().copied().fold(1.0, f32::max);
             let whole = if max > 1.0 { 255.0 } else { 1.0 };
             for value in self.colors.iter_mut().flatten() {
@@ -249,7 +249,7 @@ impl Obj {
         Ok(())
     }
 
-    /// Why there is no mesh, with what was found instead.
+    /// The reason why there is no mesh, with the elements that were found instead.
     pub(super) fn without_faces(&self) -> String {
         let mut found = Vec::new();
         for (count, what) in [
@@ -285,12 +285,12 @@ impl Obj {
     }
 }
 
-/// Whether what was read of a line from a place on is continued by the next one; takes the mark and the
-/// line's end away.
+/// Whether the text of a line from the offset `from` on continues on the next line. If so, the continuation mark and
+/// the end of the line are replaced by a space.
 fn goes_on(line: &mut Vec<u8>, from: usize) -> bool {
     let end = line.trim_ascii_end().len();
     let ends_in_mark = line[..end].last() == Some(&b'\\') && line.last() == Some(&b'\n');
-    // A comment may end in a path of Windows.
+    // In a comment, a backslash does not count: it may be the end of a Windows path.
     let goes_on = ends_in_mark && !line[from..].contains(&b'#');
     if goes_on {
         line.truncate(end - 1);
@@ -347,7 +347,8 @@ fn corner(word: &str, [positions, coordinates, normals]: [usize; 3]) -> Result<C
     Ok(corner)
 }
 
-/// An index from 0 of an index from 1, or of one from −1 that counts backwards from here.
+/// Converts an index of the file to an index from 0. The file counts from 1, or backwards from −1, which is the last
+/// element above.
 fn index(text: &str, what: &str, count: usize) -> Result<u32, String> {
     let number: i64 = text.parse().map_err(|_| format!("\"{}\" is no index", shortened(text)))?;
     let index = if number < 0 { count as i64 + number } else { number - 1 };

@@ -6,7 +6,7 @@ use glam::{DVec2, dvec2, vec2};
 use proptest::prelude::*;
 
 impl TrimGrid {
-    /// The decision of even-odd loops without the grid: every piece is tested.
+    /// Whether a sample is inside even-odd loops, without the grid: every piece is tested.
     fn inside_by_all_pieces(&self, uv: Vec2) -> bool {
         self.words[self.pieces.clone()]
             .chunks_exact(8)
@@ -100,7 +100,7 @@ fn a_sample_exactly_on_a_cell_edge_is_decided_right() {
     check(&loops, vs.iter().flat_map(|v| us.iter().map(move |u| vec2(*u, *v))));
 }
 
-/// Samples on both sides of every curve, from just outside the tolerance on.
+/// Samples on both sides of every curve, starting just outside the tolerance.
 fn beside<'a>(loops: impl IntoIterator<Item = &'a TrimLoop>) -> Vec<Vec2> {
     let mut samples = Vec::new();
     for segment in loops.into_iter().flat_map(TrimLoop::segments) {
@@ -148,7 +148,7 @@ fn a_crowd_in_one_cell_is_decided_right() {
 
 #[test]
 fn lists_of_every_length_are_decided_right() {
-    // Triangles that meet in one point: the cell there lists two pieces of each, and some more.
+    // Triangles that meet in one point: the cell there lists two pieces of each triangle and a few others.
     let mut kinds = [0; 2];
     for count in (3..=40).chain([120]) {
         let mut trims = Trims::default();
@@ -184,7 +184,7 @@ fn many_shapes_are_decided_as_their_equations_say() {
             }
         }
     }
-    // Huge ones far away, whose border is nearly straight in the domain.
+    // Huge shapes far away, whose borders are nearly straight lines in the domain.
     trims.circles.push(Circle::new(dvec2(1e6 + 0.97, 0.3), 1e6).unwrap());
     trims.ellipses.push(Ellipse::new(dvec2(0.4, -1e5), dvec2(3e4, 1e5 + 0.05)).unwrap());
     let grid = TrimGrid::new(&trims);

@@ -1,4 +1,4 @@
-//! Which pieces each cell lists, and what is known of its corner.
+//! Finds the pieces that each cell lists, and the winding number at the cell's corner.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ const LEFT: u32 = 8;
 /// A grid of more words is not subdivided further.
 const MANY_WORDS: usize = 1 << 26;
 
-/// A piece, and what it belongs to.
+/// A piece with the direction of its loop and the fill that it belongs to.
 pub(super) struct Member {
     pub(super) piece: Piece,
     /// Whether the loop runs from its upper to its lower end.
@@ -27,7 +27,7 @@ pub(super) struct Member {
 }
 
 impl Member {
-    /// The piece of a curve. None if nothing is left of it but a point.
+    /// The piece of a curve. `None` if rounding leaves only a point.
     pub(super) fn of(FilledCurve { curve, fill }: &FilledCurve) -> Option<Self> {
         let piece = Piece::new(curve)?;
         Some(Self { piece, falls: curve[0].y > curve[3].y, fill: *fill })
@@ -39,7 +39,7 @@ impl Member {
     }
 }
 
-/// A piece as a cell refers to it: its number, and its end to the right of the cell.
+/// A cell's reference to a piece: the number of the piece, and which end, if only one, lies to the right of the cell.
 #[derive(Clone, Copy)]
 struct Reference {
     piece: u32,
@@ -53,7 +53,7 @@ enum Beyond {
     High,
 }
 
-/// The pieces of one fill that samples of a cell meet.
+/// The pieces of one fill that the samples of a cell are tested against.
 struct Group {
     fill: usize,
     /// The winding number of a sample whose ray meets no piece.
@@ -65,9 +65,9 @@ struct Group {
 struct Listed {
     cell: usize,
     fill: usize,
-    /// The winding number at the cell's corner, at its right and its bottom.
+    /// The winding number at the cell's lower right corner.
     corner: i32,
-    /// Where the pieces' numbers stand.
+    /// The range of the pieces' numbers in the list of all cells' pieces.
     members: Range<usize>,
 }
 
@@ -76,9 +76,9 @@ pub(super) struct Builder<'a> {
     pub(super) rules: &'a [FillRule],
     /// Whether lists have heads.
     pub(super) has_rules: bool,
-    /// Whether what is inside of no fill is cut.
+    /// Whether points outside all fills are cut.
     pub(super) outside: bool,
-    /// The word where the pieces begin.
+    /// The index of the word where the pieces begin.
     pub(super) first_piece: usize,
     pub(super) words: &'a mut Vec<u32>,
     /// Length of the longest list.
@@ -86,7 +86,7 @@ pub(super) struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Fills the cells of the domain.
+    /// Writes the cells of the domain.
     pub(super) fn fill_domain(&mut self, uniform_grid: &UniformGrid) {
         let mut first = 0;
         let groups = self.members.chunk_by(|a, b| a.fill == b.fill).map(|members| {
@@ -103,7 +103,8 @@ impl Builder<'_> {
         self.fill(HEADER_WORDS, uniform_grid, &groups, true);
     }
 
-    /// Fills the cells of a uniform grid, which begin at a word: of the domain, or finer ones.
+    /// Writes the cells of a uniform grid, which begin at the word `first`. The grid is that of the domain or a finer
+    /// one.
     fn fill(
         &mut self,
         first: usize,
@@ -116,7 +117,7 @@ impl Builder<'_> {
         let mut listed: Vec<Listed> = Vec::new();
         let mut members: Vec<u32> = Vec::new();
         for group in groups {
-            // Whole loops have no inside beyond the cells that they touch.
+            // Complete loops have no inside beyond the columns and rows that they touch.
             let window = if is_domain || self.has_whole_loops(group) {
                 self.touched(columns, rows, group)
             } else {
@@ -150,7 +151,7 @@ impl Builder<'_> {
                 let bounds = [columns[cell % columns.len()], rows[cell / columns.len()]];
                 let group =
                     |listed: &Listed| self.group(listed, &members[listed.members.clone()], bounds);
-                // Nearly always one, which needs no list of groups.
+                // A cell nearly always has pieces of only one fill, which needs no vector of groups.
                 let word = match listed {
                     [only] => self.list(&[group(only)], bounds, is_domain),
                     _ => {
@@ -163,12 +164,12 @@ impl Builder<'_> {
         }
     }
 
-    /// The pieces of one fill as a cell refers to them.
+    /// A cell's references to the pieces of one fill.
     fn group(&self, listed: &Listed, members: &[u32], [columns, rows]: [Bounds; 2]) -> Group {
         let corner = Vec2::new(columns[1].min(BELOW_ONE), rows[0]);
         let references: Vec<Reference> =
             members.iter().map(|piece| self.reference(*piece, corner.x)).collect();
-        // Such that the corner itself comes out right.
+        // The base is chosen so that the result at the corner itself is correct.
         let counted: i32 =
             references.iter().map(|reference| self.crossings(*reference, corner)).sum();
         Group { fill: listed.fill, base: listed.corner - counted, references }
@@ -199,7 +200,7 @@ impl Builder<'_> {
         member.turn() * (i32::from(member.piece.crosses(uv)) + end)
     }
 
-    /// The shader's word of a reference.
+    /// The word of a reference in the shader's buffer.
     fn word(&self, reference: Reference) -> u32 {
         let member = self.member(reference);
         let left = if member.piece.bulges_left() { LEFT } else { 0 };
@@ -208,7 +209,7 @@ impl Builder<'_> {
         number * 32 + reference.beyond as u32 + left + falls
     }
 
-    /// Appends what a cell with pieces needs, and returns its word.
+    /// Appends the lists or the finer grid of a cell with pieces, and returns the cell's word.
     fn list(&mut self, groups: &[Group], bounds: [Bounds; 2], may_refine: bool) -> u32 {
         let count: usize = groups.iter().map(|group| group.references.len()).sum();
         if may_refine && count > CROWDED && self.words.len() < MANY_WORDS {
@@ -250,8 +251,8 @@ impl Builder<'_> {
         (group.base * 4 + rule + if is_last { LAST_HEAD } else { 0 }) as u32
     }
 
-    /// The uniform grid of a crowded cell; a coarser one if its pieces are large, so that the references
-    /// do not outgrow them.
+    /// The uniform grid of a crowded cell. It is coarser if the cell's pieces are large, so that the number of
+    /// references stays in proportion to the number of pieces.
     fn finer(&self, groups: &[Group], count: usize, [columns, rows]: [Bounds; 2]) -> UniformGrid {
         const MAX_REFERENCES_PER_PIECE: f32 = 6.0;
         let (min, max) = (Vec2::new(columns[0], rows[0]), Vec2::new(columns[1], rows[1]));
@@ -271,7 +272,7 @@ impl Builder<'_> {
         UniformGrid::new(min, max, side)
     }
 
-    /// Whether every row that the pieces of a group reach is left as often as it is entered.
+    /// Whether the pieces of a group form complete loops: at every v where pieces end, as many arrive as leave.
     fn has_whole_loops(&self, group: &Group) -> bool {
         if group.base != 0 || group.references.iter().any(|one| one.beyond != Beyond::Neither) {
             return false;
@@ -286,7 +287,7 @@ impl Builder<'_> {
             .all(|ends| ends.iter().map(|(_, turn)| turn).sum::<i32>() == 0)
     }
 
-    /// The columns and rows that the pieces of a group touch together.
+    /// The range of columns and the range of rows that the pieces of a group touch.
     fn touched(&self, columns: &[Bounds], rows: &[Bounds], group: &Group) -> [Range<usize>; 2] {
         let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         for reference in &group.references {
@@ -297,9 +298,9 @@ impl Builder<'_> {
         [touched(columns, [min.x, max.x]), touched(rows, [min.y, max.y])]
     }
 
-    /// The winding number at the corner of each cell, at its right and its bottom.
+    /// The winding number at the lower right corner of each cell.
     fn corners(&self, columns: &[Bounds], rows: &[Bounds], group: &Group) -> Vec<i32> {
-        // Each entry is added in its column and in those to the right of it.
+        // Each entry counts in its own column and in all columns to the right of it.
         let width = columns.len();
         let rights: Vec<f32> = columns.iter().map(|[_, right]| right.min(BELOW_ONE)).collect();
         let mut turns = vec![0; (width + 1) * rows.len()];
@@ -346,7 +347,8 @@ impl Builder<'_> {
         corners
     }
 
-    /// The pieces that touch each cell and matter there: those of cell i are `members[starts[i]..starts[i + 1]]`.
+    /// The pieces that touch each cell and affect its result. Those of cell i are
+    /// `members[starts[i]..starts[i + 1]]`.
     fn members_of_cells(
         &self,
         columns: &[Bounds],
@@ -383,8 +385,9 @@ impl Builder<'_> {
     }
 }
 
-/// Whether a cell in a row need not list a piece that touches it: no ray towards greater u meets the left border, all
-/// samples lie left of the right one, and level pieces with no end within the row change nothing.
+/// Whether the cells of a row need not list a piece that touches them. This holds for pieces on the left border of
+/// the domain, because no ray towards greater u meets them. It holds for pieces on the right border, because all
+/// samples lie to the left of it. It also holds for level pieces that do not lie within the row.
 fn is_beside(piece: &Piece, [bottom, top]: Bounds) -> bool {
     let [min, max] = piece.u_range();
     let is_beside = |v: f32| (v <= bottom) == (v <= top.min(BELOW_ONE));

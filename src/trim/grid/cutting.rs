@@ -6,9 +6,10 @@ use super::CROWDED;
 use crate::trim::pieces::{Curve, Piece, split};
 use crate::trim::uniform_grid::{UniformGrid, touched};
 
-/// Cells along a side.
+/// The allowed numbers of cells along a side of the grid.
 const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
-/// Cutting curves to the size of cells may add this number of pieces for each curve, within these limits.
+/// The maximum number of pieces, for each curve, that cutting curves to the size of cells may add. The total is
+/// clamped to `MORE_PIECES`.
 const MORE_PIECES_PER_CURVE: usize = 15;
 const MORE_PIECES: std::ops::RangeInclusive<usize> = 1 << 14..=1 << 20;
 
@@ -19,8 +20,8 @@ pub(super) struct FilledCurve {
     pub(super) fill: u32,
 }
 
-/// The uniform grid for a number of curves: about 4 cells for each, fewer if that cut long curves into too
-/// many pieces. None if the curves hold nothing between them.
+/// The uniform grid for these curves. It has about 4 cells for each curve, or fewer if that would cut long curves
+/// into too many pieces. `None` if the curves enclose no area.
 pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     let mut min = Vec2::INFINITY;
     let mut max = Vec2::NEG_INFINITY;
@@ -31,7 +32,7 @@ pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     if !min.cmplt(max).all() {
         return None;
     }
-    // A power of two, because programs are compiled for each.
+    // A power of two, because a program is compiled for each size.
     let wanted = (2 * curves.len().isqrt() as u32).next_power_of_two();
     let mut side = wanted.clamp(*SIDES.start(), *SIDES.end());
     let pieces_at = |side: u32| -> f64 {
@@ -44,16 +45,16 @@ pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     Some(UniformGrid::of_domain(side))
 }
 
-/// How many pieces curves may be cut into.
+/// The maximum number of pieces that the curves may be cut into.
 fn most_pieces(curves: &[FilledCurve]) -> usize {
     let more = MORE_PIECES_PER_CURVE * curves.len();
     curves.len() + more.clamp(*MORE_PIECES.start(), *MORE_PIECES.end())
 }
 
-/// Cuts curves until their boxes are no larger than the cells they touch; in crowded cells than the
-/// finer cells there.
+/// Cuts curves until their bounding boxes are no larger than the cells that they touch. In crowded cells, the limit
+/// is the size of the finer cells there.
 pub(super) fn cut_to_cells(curves: &[FilledCurve], uniform_grid: &UniformGrid) -> Vec<FilledCurve> {
-    // Smaller pieces would be cut by rounding.
+    // For smaller pieces, rounding would decide where they are cut.
     const SMALLEST: f64 = 1e-6;
     let cell = DVec2::ONE / uniform_grid.size.as_dvec2();
     let budget = most_pieces(curves);
@@ -95,12 +96,12 @@ pub(super) fn cut_to_cells(curves: &[FilledCurve], uniform_grid: &UniformGrid) -
     finer
 }
 
-/// Cells along a side of the finer grid in a cell, from its number of pieces.
+/// The number of cells along a side of the finer grid in a cell that has `count` pieces.
 pub(super) fn finer_side(count: usize) -> u32 {
     (2.0 * (count as f64).sqrt()).min((*SIDES.end()).into()) as u32
 }
 
-/// Halves a curve until its box is no larger than `limit` allows there.
+/// Halves a curve repeatedly until the bounding box of each piece is no larger than `limit` allows for it.
 fn halve(
     curve: &FilledCurve,
     depth: u32,

@@ -1,8 +1,7 @@
-//! Prepares an SVG document for usvg: removes everything that is not filled and that usvg would spend long on.
+//! Prepares an SVG document for usvg: removes elements that are not filled and that could take usvg very long.
 //!
-//! usvg follows references between masks, clips, filters, patterns and markers as deep as they go, which
-//! a small file can make endless. Those elements are taken out, and paints become plain colours, before
-//! usvg reads the document.
+//! usvg follows references between masks, clips, filters, patterns and markers to any depth, and a small file can
+//! make this endless. Those elements are removed, and paints become plain colours, before usvg reads the document.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -16,12 +15,13 @@ use crate::trim::path::unreadable_path;
 
 const NAMESPACE: &str = "http://www.w3.org/2000/svg";
 
-/// Wins over what the document says, so that elements do not vanish with what they refer to.
+/// Overrides the styles of the document, so that elements do not vanish when the elements that they refer to are
+/// removed.
 pub(super) const STYLE: &str = "* { clip-path: none !important; mask: none !important; \
     filter: none !important; marker: none !important; overflow: visible !important }";
 
-/// Elements that are taken out, and their names in warnings: those that others refer to, and those that
-/// are drawn where they stand.
+/// Elements that are removed, and their names in warnings. The first list has elements that others refer to, the
+/// second has elements that are drawn in place.
 const REFERRED: [(&str, &str); 4] =
     [("clipPath", "clips"), ("filter", "filters"), ("marker", "markers"), ("mask", "masks")];
 const DRAWN: [(&str, &str); 3] =
@@ -29,14 +29,14 @@ const DRAWN: [(&str, &str); 3] =
 /// Elements that become a plain colour.
 const PAINTS: [&str; 3] = ["linearGradient", "pattern", "radialGradient"];
 
-/// The most bytes that the entities of a document may become.
+/// The maximum number of bytes that the entities of a document may expand to.
 const MAX_ENTITY_BYTES: usize = 64 << 20;
 const MAX_NODES: u32 = 2_000_000;
 
-/// A document without what usvg must not follow.
+/// A document without the elements that usvg must not follow.
 pub(super) struct ReducedDocument {
     pub(super) text: String,
-    /// Names of what was removed.
+    /// Names of the removed elements.
     pub(super) removed: BTreeSet<&'static str>,
 }
 
@@ -83,7 +83,7 @@ impl ReducedDocument {
     }
 }
 
-/// A paint that any shape is filled with.
+/// A paint with the given id that fills every shape that refers to it.
 fn plain_paint(id: &str) -> String {
     let mut escaped = String::new();
     for char in id.chars() {
@@ -99,7 +99,7 @@ fn check_path(data: &str) -> Result<()> {
         .map_err(|error| unreadable_path(data, &error))
 }
 
-/// The text with ranges replaced; what lies in a range that is replaced goes with it.
+/// The text with ranges replaced. An edit that lies inside the range of another edit is dropped.
 fn edited(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
     edits.sort_by_key(|(range, _)| (range.start, std::cmp::Reverse(range.end)));
     let mut result = String::with_capacity(text.len());
@@ -115,8 +115,8 @@ fn edited(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
     result
 }
 
-/// An upper bound of the bytes that the entities of a document become: each reference becomes the longest
-/// declared value at most, and the XML reader follows up to 255 more references inside of it.
+/// An upper bound of the number of bytes that the entities of a document expand to. Each reference expands to the
+/// longest declared value at most, and the XML parser follows up to 255 more references inside it.
 fn entity_bytes(text: &str) -> usize {
     let values = || text.split("<!ENTITY").skip(1).filter_map(quoted);
     let longest = values().map(str::len).max().unwrap_or(0);
