@@ -109,8 +109,8 @@ impl Scene {
     }
 
     /// Parses the text of a scene. The beginning of the text decides its format: a `.bpt` file begins with a number,
-    /// an `.obj` file with one of its keywords. Files that it names are found relative to the current folder; `name`
-    /// is the file name in error messages.
+    /// an `.obj` file with one of its keywords. Files that it names are found relative to the folder of `name`, which
+    /// also stands in the errors; a bare word means the current folder.
     ///
     /// # Errors
     /// As [`Scene::load`].

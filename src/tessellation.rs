@@ -1,7 +1,7 @@
 //! Tessellation: how patches are divided into triangles.
 //!
 //! `bound.rs` computes how many triangles keep a patch within a screen-space tolerance. `edges.rs` finds neighbouring
-//! patches. `sub-patches.rs` chooses sub-patches to suit the drivers and the trims. `normal_cone.rs` bounds the
+//! patches. `sub_patches.rs` chooses sub-patches to suit the drivers and the trims. `normal_cone.rs` bounds the
 //! directions of normals. `plan.rs` combines these once per frame. `triangle.rs` bounds the error of meshes' smooth
 //! triangles.
 

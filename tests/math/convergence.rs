@@ -112,24 +112,25 @@ fn of_curved(surface: &dyn CurvedTriangle, level: u32, distance: fn(DVec3) -> f6
 }
 
 const HEAD: &str = "\
-# How near smoothed meshes come
+# Accuracy of smoothed meshes
 
-Meshes are sampled from a known surface. The tables have the largest distance of any point of the smoothed
-triangles from that surface, and in brackets by which factor it is smaller than that of the flat triangles. `cargo run --release --example mesh_convergence` makes this page, and
-`tests/math/mesh_convergence.rs` holds it to what follows. The papers do not state
-rates of convergence, so these were derived for an edge of a sphere whose normals enclose the angle 2θ:
+The meshes are sampled from a known surface. The tables show the largest distance between any point of the smoothed
+triangles and that surface. The number in brackets says by which factor this distance is smaller than that of the flat
+triangles. `cargo run --release --example mesh_convergence` generates this page, and `tests/math/mesh_convergence.rs`
+checks it. The papers do not state rates of convergence. The following rates were derived for an edge of a sphere whose
+normals enclose the angle 2θ:
 
-- The flat edge is 1 − cos θ ≈ θ²/2 off. Edges half as long give a fourth of the distance.
-- Phong tessellation raises its middle by α·sin²θ·cos θ ≈ αθ², so it is |1 − 2α|·θ²/2 off: at α = ¾
-  half of what the flat edge is, on the outer side, at any fineness. That α looks best on coarse
-  meshes, whose triangles lie deeper than their edges.
-- Curved PN triangles raise it by ½·sin²θ·cos θ, as Phong tessellation does at α = ½. The rest is
-  3θ⁴/8: edges half as long give a sixteenth of the distance, and it is 4/(3θ²) times smaller than the flat edge's.
+- The flat edge is off by 1 − cos θ ≈ θ²/2. Halving the edges divides the distance by 4.
+- Phong tessellation raises the middle of the edge by α·sin²θ·cos θ ≈ αθ², so it is off by |1 − 2α|·θ²/2. At α = ¾ this
+  is half of the distance of the flat edge, on the outer side, at any fineness. That α looks best on coarse meshes, whose
+  triangles lie deeper than their edges.
+- Curved PN triangles raise the middle of the edge by ½·sin²θ·cos θ, as Phong tessellation does at α = ½. The remaining
+  distance is 3θ⁴/8. Halving the edges divides it by 16. It is 4/(3θ²) times smaller than that of the flat edge.
 
-In the middle of triangles the distances are larger, at the same rates. On the torus, whose curvature
-varies, less symmetric terms remain: the last halving gains a factor of 12 instead of 16. A smooth triangle
-drawn at level n adds 1/n² of the flat triangle's distance. Repeated steps keep the points of earlier steps, so
-they do not converge to the surface, but to about the distance of the smooth surface over the first mesh.
+In the middle of triangles the distances are larger, at the same rates. The curvature of the torus varies, so less
+symmetric terms remain: the last halving divides the distance by 12 instead of 16. A smooth triangle that is drawn at
+level n adds 1/n² of the flat triangle's distance. Repeated steps keep the points of earlier steps. They therefore do not
+converge to the surface, but to about the distance of the smooth surface over the first mesh.
 ";
 
 fn row(text: &mut String, name: &str, values: &[f64], flat: &[f64]) {
