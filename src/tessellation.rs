@@ -18,5 +18,7 @@ pub use normal_cone::PatchKind;
 pub(crate) use normal_cone::{Eye, NormalCone};
 pub use plan::FrameStats;
 pub(crate) use plan::{Lists, Plan, SubPatch, SurfacePatches, raise};
-pub(crate) use sub_patches::{DrawSize, FixedSplit, Split, TrimSplits, patches_of_next_draw};
+pub(crate) use sub_patches::{
+    DrawSize, FixedSplit, Split, Tessellated, TrimSplits, patches_of_next_draw,
+};
 pub(crate) use triangle::{TriangleBound, triangles_of_triangle, vertices_of_triangle};

@@ -80,7 +80,7 @@ impl Circle {
     /// A circle in the domain.
     ///
     /// # Errors
-    /// A centre or radius that is not finite, a negative radius.
+    /// A centre or radius that is not finite or above 1e15, a negative radius.
     pub fn new(center: DVec2, radius: f64) -> Result<Self> {
         check_finite("circle center", center)?;
         check_radius("circle radius", radius)?;
@@ -107,7 +107,7 @@ impl Rect {
     /// A rectangle in the domain.
     ///
     /// # Errors
-    /// A bound that is not finite, or a first bound above its last.
+    /// A bound that is not finite or above 1e15, or a first bound above its last.
     pub fn new(u: DVec2, v: DVec2) -> Result<Self> {
         for (name, range) in [("interval u", u), ("interval v", v)] {
             check_finite(name, range)?;
@@ -138,7 +138,7 @@ impl Ellipse {
     /// An ellipse in the domain.
     ///
     /// # Errors
-    /// A centre or radius that is not finite, a negative radius.
+    /// A centre or radius that is not finite or above 1e15, a negative radius.
     pub fn new(center: DVec2, radii: DVec2) -> Result<Self> {
         check_finite("ellipse center", center)?;
         check_radius("ellipse radius along u", radii.x)?;
@@ -239,7 +239,8 @@ impl TrimLoop {
     /// Closes the chain: gaps below 1e-6 are snapped shut.
     ///
     /// # Errors
-    /// No segment, a point that is not finite, a gap of 1e-6 or more. Segments are numbered from 0.
+    /// No segment or more than 1,000,000, a point that is not finite or has coordinates above 1e15, a gap of 1e-6 or
+    /// more. Segments are numbered from 0.
     pub fn new(mut segments: Vec<Segment>) -> Result<Self> {
         if segments.is_empty() {
             return Err(Error::invalid("loop", "empty", "at least one segment"));

@@ -170,7 +170,7 @@ impl Job {
     fn draw(&mut self, scene: &Scene, times: &mut Times, bar: &ProgressBar) -> Result<Image> {
         let start = Instant::now();
         let frame = Frame::of(scene, self.offscreen.target().size());
-        self.offscreen.take_samples(frame.settings.samples)?;
+        self.offscreen.set_samples(frame.settings.samples)?;
         let mut prepared = PreparedScene::new(self.offscreen.renderer(), scene)?;
         self.offscreen.context().gl().finish();
         times.upload = start.elapsed();

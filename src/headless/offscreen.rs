@@ -76,7 +76,7 @@ impl Offscreen {
     ) -> Result<Image> {
         // Complaints of earlier pictures are not this one's.
         let _ = self.context.debug_log().take_errors();
-        self.take_samples(frame.settings.samples)?;
+        self.set_samples(frame.settings.samples)?;
         let image = prepared.picture(&mut self.renderer, &self.target, frame, progress)?;
         self.check_complaints(|| {
             let (width, height) = self.target.size();
@@ -89,7 +89,7 @@ impl Offscreen {
     ///
     /// # Errors
     /// As [`Framebuffer::for_samples`].
-    pub fn take_samples(&mut self, samples: Samples) -> Result<()> {
+    pub fn set_samples(&mut self, samples: Samples) -> Result<()> {
         if self.samples != samples {
             self.target = Framebuffer::for_samples(self.context.gl(), self.target.size(), samples)?;
             self.samples = samples;

@@ -1,7 +1,7 @@
 //! Images with several samples per pixel. They use the driver's multisampling up to its maximum sample count;
 //! beyond that, the scene is drawn once for each sample and the results are averaged.
 
-use glam::{DMat4, DVec2, dvec2, dvec3};
+use glam::{DMat4, DVec2, UVec2, dvec2, dvec3};
 
 use super::PreparedScene;
 use crate::camera::ViewProjection;
@@ -74,7 +74,7 @@ impl PreparedScene {
         let mut sums = vec![0.0_f32; 4 * width as usize * height as usize];
         let samples = frame.settings.samples;
         for (done, offset) in (1..).zip(sample_offsets(samples)) {
-            let camera = moved(&frame.camera, -offset, (width, height));
+            let camera = moved(&frame.camera, -offset, frame.viewport.pixels());
             target.bind();
             let _ = self.draw(renderer, &Frame { camera, ..*frame })?;
             for (sum, byte) in sums.iter_mut().zip(target.read().as_raw()) {
@@ -111,8 +111,8 @@ pub fn sample_offsets(samples: Samples) -> impl Iterator<Item = DVec2> {
 }
 
 /// The same view with its image shifted by `by_px` pixels to the right and up.
-fn moved(camera: &ViewProjection, by_px: DVec2, (width, height): (u32, u32)) -> ViewProjection {
-    let shift = 2.0 * by_px / dvec2(width.into(), height.into());
+fn moved(camera: &ViewProjection, by_px: DVec2, size: UVec2) -> ViewProjection {
+    let shift = 2.0 * by_px / size.as_dvec2();
     let to_clip = DMat4::from_translation(dvec3(shift.x, shift.y, 0.0));
     ViewProjection { view: camera.view, projection: to_clip * camera.projection }
 }

@@ -10,7 +10,7 @@ use std::rc::Rc;
 use bytemuck::Pod;
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec4};
 
-use super::draws::{Draw, PlanKey, Tessellated, divide};
+use super::draws::{Draw, PlanKey, divide};
 use super::surface::{PreparedSurface, Revision};
 use super::{Frame, Renderer};
 use crate::bezier::Degree;
@@ -59,16 +59,6 @@ impl Vertex for SubPatch {
         Attribute::words(0, 4, offset_of!(Self, first_point)),
         Attribute::words(1, 4, offset_of!(Self, edges)),
     ];
-}
-
-impl Tessellated for SubPatch {
-    fn vertices(&self) -> u32 {
-        self.vertices()
-    }
-
-    fn triangles(&self) -> u64 {
-        self.triangles()
-    }
 }
 
 /// The properties that all sub-patches of a list share.

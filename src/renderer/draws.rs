@@ -10,7 +10,7 @@ use super::{Frame, Renderer};
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::Tessellation;
-use crate::tessellation::{DrawSize, patches_of_next_draw};
+use crate::tessellation::{DrawSize, Tessellated, patches_of_next_draw};
 
 /// The inputs of a plan: a plan holds until they change.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,12 +40,6 @@ pub(super) struct Draw {
     pub(super) triangles: u64,
 }
 
-/// Vertices and triangles that the tessellator makes of a patch; 0 for a patch that is not drawn.
-pub(super) trait Tessellated {
-    fn vertices(&self) -> u32;
-    fn triangles(&self) -> u64;
-}
-
 /// Divides the patches of a batch into draws as large as the driver likes; `first` is the number of the first
 /// patch. Draws begin and end with a patch that is drawn.
 pub(super) fn divide<T: Tessellated>(
@@ -69,9 +63,8 @@ pub(super) fn divide<T: Tessellated>(
 }
 
 impl Renderer {
-    /// Makes draws of patches of `patch_vertices` vertices. `bind` binds everything that a batch needs, and is
-    /// called when
-    /// another batch begins. The triangles go to `captured`, if it is given, and else into the framebuffer.
+    /// Makes draws of patches of `patch_vertices` vertices. `bind` binds everything that a batch needs; it is
+    /// called when another batch begins. The triangles go to `captured`, if it is given, or else into the framebuffer.
     pub(super) fn make_draws(
         &self,
         draws: &[Draw],

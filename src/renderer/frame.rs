@@ -1,4 +1,4 @@
-//! One picture: from where, how large, how.
+//! A frame: the camera, the viewport and the settings of one picture.
 
 use glam::{IVec2, UVec2, Vec4};
 use glow::HasContext;
@@ -33,7 +33,8 @@ impl Frame {
     #[must_use]
     pub fn of(scene: &Scene, viewport: impl Into<Viewport>) -> Self {
         let viewport = viewport.into();
-        let camera = scene.projection(viewport.size.x, viewport.size.y);
+        let size = viewport.pixels();
+        let camera = scene.projection(size.x, size.y);
         Self { camera, viewport, settings: scene.settings }
     }
 }
@@ -62,8 +63,8 @@ impl From<UVec2> for Viewport {
 
 impl Viewport {
     /// Width and height, at least 1.
-    pub(super) fn pixels(&self) -> UVec2 {
-        self.size.max(UVec2::ONE)
+    pub(crate) fn pixels(&self) -> UVec2 {
+        self.size.clamp(UVec2::ONE, UVec2::splat(i32::MAX as u32))
     }
 
     /// As `common/aov.frag` has it: the first pixel, half of the width and height.

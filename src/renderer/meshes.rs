@@ -7,7 +7,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3};
 
 use super::draw_list::matrices;
-use super::draws::{Draw, PlanKey, Tessellated, divide};
+use super::draws::{Draw, PlanKey, divide};
 use super::points::LocalFrame;
 use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
 use super::{DrawnVertex, Frame, Renderer, in_lines};
@@ -17,8 +17,8 @@ use crate::mesh::{Corner, Smoothing};
 use crate::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
-    DrawSize, FrameStats, Rounding, Screen, TriangleBound, raise, triangles_of_triangle,
-    vertices_of_triangle,
+    DrawSize, FrameStats, Rounding, Screen, Tessellated, TriangleBound, raise,
+    triangles_of_triangle, vertices_of_triangle,
 };
 
 /// A corner of a flat triangle as `triangles/triangle.vert` reads it.

@@ -61,8 +61,10 @@ impl NormalCone {
         let along_u = sum(side, side - 1) - sum(side, 0);
         let along_v = sum(1, points.len() - side) - sum(1, 0);
         let Some(axis) = along_u.cross(along_v).try_normalize() else { return unknown };
-        let net =
-            Net { side, is_rational, points: points.iter().copied().map(homogeneous).collect() };
+        // Products of coordinates far from the origin would lose the differences between them.
+        let origin = if is_rational { points[0].truncate().extend(0.0) } else { DVec4::ZERO };
+        let points = points.iter().map(|point| homogeneous(*point - origin)).collect();
+        let net = Net { side, is_rational, points };
         let longest = net.tangents().map(|tangents| longest(&tangents));
         match net.min_cosine(axis, longest, 0) {
             Some(cosine) => {
@@ -207,8 +209,8 @@ fn quotient(slopes: &[DVec4], [columns, rows]: [usize; 2], net: &Net) -> Vec<DVe
     product
 }
 
-/// With how much of it the product of two Bernstein polynomials adds to that one of the product's degree; given
-/// the number of control points of both factors, and which polynomials they are.
+/// The factor of the product of two Bernstein polynomials: B_i of degree a times B_j of degree b is this factor times
+/// B_(i+j) of degree a + b. `counts` are a + 1 and b + 1, `indices` are i and j.
 fn product_share(counts: [usize; 2], indices: [usize; 2]) -> f64 {
     let [a, b] = counts.map(|count| count - 1);
     let [i, j] = indices;
@@ -283,6 +285,19 @@ mod tests {
                 assert!(turned(&points, cone.axis) <= f64::from(cone.sine), "{seed}");
             }
         }
+    }
+
+    #[test]
+    fn the_cone_is_the_same_far_from_the_origin() {
+        let here = NormalCone::new(Degree::Cubic, &cylinder());
+        // A power of two, and multiples of its last bit: the points themselves stay exact.
+        let far = DVec3::new(1.0, -2.0, 1.0) * 2_f64.powi(46);
+        let exact = |point: &DVec4| (point.truncate() * 256.0).round().extend(point.w);
+        let near: Vec<DVec4> = cylinder().iter().map(exact).collect();
+        let moved: Vec<DVec4> = near.iter().map(|p| (p.truncate() + far).extend(p.w)).collect();
+        let [near, moved] = [near, moved].map(|points| NormalCone::new(Degree::Cubic, &points));
+        assert!((near.sine - here.sine).abs() < 0.01);
+        assert_eq!(moved, near);
     }
 
     #[test]

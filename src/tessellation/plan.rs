@@ -24,13 +24,14 @@ use super::bound::{
 };
 use super::edges::{EdgeTable, SIDES};
 use super::normal_cone::{Eye, NormalCone, PatchKind};
-use super::sub_patches::{Cut, FixedSplit, TrimSplits};
+use super::sub_patches::{Cut, FixedSplit, Tessellated, TrimSplits};
 use crate::bezier::Degree;
 use crate::scene::TessLevel;
 use splitting::Leaf;
 
 /// The largest number of cells along a sub-patch that OpenGL supports.
 const MAX_CELLS: u32 = 64;
+
 /// One sub-patch of a patch, in the layout that the vertex stage reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -53,15 +54,14 @@ pub(crate) struct SubPatch {
     pub(crate) padding: u32,
 }
 
-impl SubPatch {
-    /// The number of vertices that the tessellator generates for it.
-    pub(crate) const fn vertices(&self) -> u32 {
+impl Tessellated for SubPatch {
+    fn vertices(&self) -> u32 {
         ((self.cells & 0xff) + 1) * ((self.cells >> 8) + 1)
     }
 
-    /// The number of triangles that it generates, including degenerate ones along coarser edges.
-    pub(crate) const fn triangles(&self) -> u64 {
-        2 * (self.cells & 0xff) as u64 * (self.cells >> 8) as u64
+    /// Degenerate triangles along coarser edges count too.
+    fn triangles(&self) -> u64 {
+        2 * u64::from(self.cells & 0xff) * u64::from(self.cells >> 8)
     }
 }
 

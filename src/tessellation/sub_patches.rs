@@ -198,6 +198,13 @@ fn patches_per_draw(level: u32, wireframe: bool) -> usize {
     (max / ((level + 1) * (level + 1))).max(1) as usize
 }
 
+/// The number of vertices and triangles that the tessellator generates for a patch of OpenGL: a sub-patch, or a
+/// triangle of a mesh. Both are 0 for a patch that is not drawn.
+pub(crate) trait Tessellated {
+    fn vertices(&self) -> u32;
+    fn triangles(&self) -> u64;
+}
+
 /// The number of vertices that one draw of sub-patches should have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DrawSize {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use freeform_surface::inspect::Timer;
 use freeform_surface::{
-    Backend, Error, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Scene,
+    Backend, Error, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Samples, Scene,
     TessLevel, Tessellation, Viewport,
 };
 use glam::{IVec2, UVec2};
@@ -259,5 +259,13 @@ fn a_frame_is_drawn_in_its_viewport_whatever_the_context_has() {
         let top = 120 - origin.y as u32 - size.y;
         let part = image::imageops::crop_imm(&picture, origin.x as u32, top, size.x, size.y);
         assert_same("viewport", &expected, &part.to_image(), &[], 1);
+        // So it is of many samples, each a drawing of its own.
+        let mut many = frame;
+        many.settings.samples = Samples::new(16).unwrap();
+        let expected = prepared.picture(&mut renderer, &own, &many, |_, _| {}).unwrap();
+        let moved = Frame { settings: many.settings, ..moved };
+        let picture = prepared.picture(&mut renderer, &large, &moved, |_, _| {}).unwrap();
+        let part = image::imageops::crop_imm(&picture, origin.x as u32, top, size.x, size.y);
+        assert_same("viewport of 16 samples", &expected, &part.to_image(), &[], 1);
     }
 }
