@@ -1,11 +1,11 @@
-//! Targets for AOVs: floating-point images that `common/aov.frag` fills.
+//! Targets for AOVs: floating-point images that `common/aov.frag` writes to.
 
 use super::Renderer;
 use crate::aov::Aovs;
 use crate::error::Result;
 use crate::gpu::FloatTarget;
 
-/// Pictures that `common/aov.frag` fills.
+/// The number of images that `common/aov.frag` writes to.
 const PICTURES: u32 = 3;
 
 impl FloatTarget {
@@ -20,7 +20,7 @@ impl FloatTarget {
     /// The AOVs that `common/aov.frag` has written to such a target.
     pub(crate) fn aovs(&self) -> Aovs {
         let (uv, position, both) = (self.read(0), self.read(1), self.read(2));
-        // Where something is drawn, the alpha of the first image is 1.
+        // The alpha of the first image is 1 where something is drawn, and 0 elsewhere.
         let drawn = |i: usize| uv[i][3];
         let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
         let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);

@@ -1,6 +1,6 @@
-//! Everything that the exact method keeps from frame to frame of surfaces that are drawn together: which patches are
-//! neighbour, which sub-patches of the patches are drawn, and in which draws. A still scene costs its draw
-//! calls alone.
+//! What the exact method keeps from frame to frame about surfaces that are drawn together: which
+//! patches are neighbours, which sub-patches are drawn, and their division into draws. If nothing
+//! has changed since the last frame, only the draw calls are made.
 
 use std::collections::HashMap;
 use std::mem::offset_of;
@@ -24,8 +24,8 @@ use crate::tessellation::{
     SurfacePatches,
 };
 
-/// Bytes of room for sub-patches beyond those that are there at first: a patch that is pulled may want more, and
-/// must not make everybody wait for a new buffer.
+/// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need more
+/// sub-patches; the frame should then not have to wait for a new buffer.
 const ROOM_FOR_SUB_PATCHES: usize = 1 << 16;
 /// Texels that the matrices of a surface take.
 const MATRIX_TEXELS: usize = 12;
@@ -34,22 +34,23 @@ const MATRIX_TEXELS: usize = 12;
 #[derive(Debug, Default)]
 pub(crate) struct DrawList {
     revisions: Vec<Revision>,
-    /// The revisions of the borders that the table was made for.
+    /// The revisions of the borders from which `table` was made.
     borders: Vec<u64>,
     table: EdgeTable,
-    /// A batch has one program and one set of textures; each list of the plan is one batch.
+    /// A batch has one program and one set of textures. Batch i draws list i of the plan.
     batches: Vec<Batch>,
-    /// For each surface, where its sub-patches go.
+    /// For each surface, the lists of the plan that its sub-patches go to.
     lists: Vec<Lists>,
     key: Option<PlanKey>,
     plan: Plan,
-    /// The sub-patches of all lists, one list after the other, on their way to the driver; and those that it
-    /// has.
+    /// The sub-patches of all lists, one list after the other, about to be uploaded.
     staged: Vec<SubPatch>,
+    /// The contents of the buffer `sub_patches`.
     uploaded: Vec<SubPatch>,
     sub_patches: Option<Buffer>,
-    /// The matrices as the driver has them.
+    /// The matrices of all surfaces as 32-bit columns; see [`matrices`].
     columns: Vec<Vec4>,
+    /// The same in a buffer, if a draw needs the matrices of several surfaces.
     matrices: Option<TexelBuffer>,
     draws: Vec<Draw>,
 }
@@ -64,12 +65,13 @@ impl Vertex for SubPatch {
 /// The properties that all sub-patches of a list share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Batch {
-    /// A surface that has it; the texture, the trims and the control points' buffer are its own.
+    /// The first surface of the batch. Its texture, trims and control points' buffer are bound; other
+    /// surfaces of the batch share them.
     pub(crate) surface: usize,
     pub(crate) degree: Degree,
     pub(crate) shading: Shading,
     pub(crate) patches: PatchKind,
-    /// Whether other surfaces have it too, with matrices of their own.
+    /// Whether other surfaces belong to the batch too. Each has its own matrices.
     pub(crate) shared: bool,
     pub(crate) trims: TrimFeatures,
 }
@@ -82,19 +84,19 @@ struct BatchKey {
     degree: Degree,
     shading: Shading,
     patches: PatchKind,
-    /// Trims belong to one surface.
+    /// The index of the surface if its trims may cut the sub-patches: no two surfaces share trims.
     trimmed: Option<usize>,
 }
 
 impl DrawList {
-    /// Nothing yet, but the neighbours of the surfaces are known.
+    /// An empty list, with the table of the surfaces' edges already made.
     pub(crate) fn of_neighbours(table: EdgeTable, surfaces: &[PreparedSurface]) -> Self {
         let borders = surfaces.iter().map(|surface| surface.revision().borders).collect();
         Self { table, borders, ..Self::default() }
     }
 
-    /// Brings everything up to date with the surfaces and the frame. Surfaces whose trims are not there
-    /// yet get them.
+    /// Brings everything up to date with the surfaces and the frame, and uploads trims that are not
+    /// uploaded yet.
     pub(crate) fn update(
         &mut self,
         renderer: &Renderer,
@@ -109,7 +111,7 @@ impl DrawList {
         if same && self.key == Some(key) {
             return Ok(());
         }
-        // Only a whole update counts.
+        // If the update fails, the next one starts again.
         self.key = None;
         self.plan(surfaces, &key);
         self.upload(renderer, surfaces, &key)?;
@@ -125,7 +127,7 @@ impl DrawList {
         &self.batches
     }
 
-    /// The batches of the draws, in their order.
+    /// The batches that have draws, in the order of the draws.
     pub(super) fn drawn_batches(&self) -> impl Iterator<Item = &Batch> {
         let of_each = self.draws.chunk_by(|a, b| a.batch == b.batch);
         of_each.map(|draws| &self.batches[draws[0].batch])
@@ -148,7 +150,8 @@ impl DrawList {
         FrameStats { draws: self.draws.len(), ..self.plan.stats() }
     }
 
-    /// Finds out what changed since the last frame; false if anything did.
+    /// Takes over the surfaces' revisions. If any changed since the last frame, updates the edges and
+    /// the batches, and returns `false`.
     fn note_revisions(&mut self, surfaces: &[PreparedSurface]) -> bool {
         let now = surfaces.iter().map(PreparedSurface::revision);
         if self.revisions.iter().copied().eq(now.clone()) {
@@ -166,7 +169,7 @@ impl DrawList {
         false
     }
 
-    /// Sorts the patches of all surfaces into batches.
+    /// Finds the batches, and for each surface the lists that its sub-patches go to.
     fn sort(&mut self, surfaces: &[PreparedSurface]) {
         self.batches.clear();
         self.lists.clear();
@@ -209,6 +212,7 @@ impl DrawList {
         }
     }
 
+    /// Plans the frame: the sub-patches of each list.
     fn plan(&mut self, surfaces: &mut [PreparedSurface], key: &PlanKey) {
         let tolerance = match key.tessellation {
             Tessellation::Within(tolerance) => tolerance.pixels(),
@@ -257,7 +261,7 @@ impl DrawList {
         }
     }
 
-    /// Brings the plan and the matrices to the driver, and makes the draws.
+    /// Uploads the sub-patches and the matrices, and divides the sub-patches into draws.
     fn upload(
         &mut self,
         renderer: &Renderer,
@@ -294,7 +298,7 @@ impl DrawList {
             .flat_map(|surface| matrices(&surface.points_to_world(), &key.camera))
             .collect();
         match &self.matrices {
-            // A surface that shares no draw has its matrices as uniforms.
+            // Where no batch has several surfaces, the matrices are uniforms.
             _ if !self.batches.iter().any(|batch| batch.shared) => self.matrices = None,
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
                 write_changed(matrices.buffer(), &self.columns, &texels);
@@ -306,8 +310,8 @@ impl DrawList {
     }
 }
 
-/// Writes the values that differ from those that a buffer has: each run of them by itself if these are
-/// few, else all from the first to the last.
+/// Writes the values that differ from the contents `old` of a buffer: each run of changed values
+/// separately if there are few runs, otherwise everything from the first change to the last.
 fn write_changed<T: Pod + PartialEq>(buffer: &Buffer, old: &[T], new: &[T]) {
     const FEW: usize = 16;
     if changed_runs(old, new).nth(FEW).is_none() {
@@ -319,7 +323,8 @@ fn write_changed<T: Pod + PartialEq>(buffer: &Buffer, old: &[T], new: &[T]) {
     }
 }
 
-/// Where new values differ from the old ones. Nothing is known of what lies beyond these.
+/// The runs of new values that differ from the old ones. Values beyond the end of the old ones count
+/// as changed.
 fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Range<usize>> {
     let differs = |i: &usize| old.get(*i) != Some(&new[*i]);
     let mut at = 0;
@@ -330,7 +335,8 @@ fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Rang
     })
 }
 
-/// Surfaces with one transform may have edges in common, if their control points were centred alike.
+/// The patches in which to look for shared edges. Surfaces are in one group if they have the same
+/// matrix from the driver's control points to world space: the same transform and the same centring.
 pub(crate) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> {
     let mut groups: HashMap<[u64; 16], u32> = HashMap::new();
     surfaces
@@ -347,7 +353,7 @@ pub(crate) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> 
         .collect()
 }
 
-/// Where the eye is, in the space of a model.
+/// The position of the eye, or the direction towards it, in model space.
 fn eye_in_model(camera: &ViewProjection, model: &DMat4) -> Eye {
     let from_view = (camera.view * model).inverse();
     // Lines of sight are parallel where clip w does not depend on the depth.
@@ -358,13 +364,16 @@ fn eye_in_model(camera: &ViewProjection, model: &DMat4) -> Eye {
     }
 }
 
-/// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to clip
-/// space and to view space, and what turns cross products of them into view space.
+/// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to
+/// clip space, from these to view space, and from the cross product of two tangents to the normal in
+/// view space. The last one is scaled, because only the direction of a normal matters, and is padded
+/// with a zero column.
 pub(super) fn matrices(points_to_world: &DMat4, camera: &ViewProjection) -> [Vec4; MATRIX_TEXELS] {
     let to_view = camera.view * *points_to_world;
     let to_clip = camera.for_driver() * to_view;
     let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);
-    // The cross product of transformed tangents is the matrix of cofactors times that of the tangents.
+    // The cross product of transformed tangents is the cofactor matrix times the cross product of the
+    // tangents.
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
     let size = cofactors.iter().map(|column| column.abs().max_element()).fold(0.0, f64::max);
     let size = if size > 0.0 { size } else { 1.0 };

@@ -1,5 +1,5 @@
-//! The pipeline of a frame, for patches and for triangles of meshes: a plan that holds until its key changes, its
-//! patches divided into draws, and the loop that makes the draws.
+//! What patches of surfaces and triangles of meshes have in common when they are drawn: the key of a
+//! plan, the division of OpenGL patches into draws, and the loop that makes the draw calls.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use glam::UVec2;
@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::scene::Tessellation;
 use crate::tessellation::{DrawSize, Tessellated, patches_of_next_draw};
 
-/// The inputs of a plan: a plan holds until they change.
+/// The inputs of a plan that come from the frame. While they stay the same, the plan stays valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PlanKey {
     pub(super) camera: ViewProjection,
@@ -27,21 +27,21 @@ impl PlanKey {
     }
 }
 
-/// One draw call: a run of patches that have everything but their vertices in common.
+/// One draw call: consecutive OpenGL patches that share the program and all bindings.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draw {
-    /// The number of what they have in common.
+    /// The index of their batch; for meshes, of their paint.
     pub(super) batch: usize,
-    /// The first patch.
+    /// The index of the first patch.
     pub(super) first: usize,
-    /// How many patches.
+    /// The number of patches.
     pub(super) count: usize,
-    /// How many triangles the tessellator makes of them.
+    /// The number of triangles that the tessellator generates for them.
     pub(super) triangles: u64,
 }
 
-/// Divides the patches of a batch into draws as large as the driver likes; `first` is the number of the first
-/// patch. Draws begin and end with a patch that is drawn.
+/// Divides the patches of a batch into draws of the size that suits the driver. `first` is the index
+/// of the first patch. Draws begin and end with a patch that has vertices.
 pub(super) fn divide<T: Tessellated>(
     patches: &[T],
     first: usize,
@@ -63,8 +63,12 @@ pub(super) fn divide<T: Tessellated>(
 }
 
 impl Renderer {
-    /// Makes draws of patches of `patch_vertices` vertices. `bind` binds everything that a batch needs; it is
-    /// called when another batch begins. The triangles go to `captured`, if it is given, or else into the framebuffer.
+    /// Makes the draw calls, for patches of `patch_vertices` vertices. `bind` binds what a batch needs
+    /// and the caller has not bound; it is called at the beginning of each batch. The triangles are
+    /// written to `captured`, if it is given, otherwise to the framebuffer.
+    ///
+    /// # Errors
+    /// As [`Feedback::begin`].
     pub(super) fn make_draws(
         &self,
         draws: &[Draw],
@@ -84,8 +88,8 @@ impl Renderer {
                 None => None,
             };
             let [first, count] = [draw.first, draw.count].map(|n| (n * patch_vertices) as i32);
-            // SAFETY: the context is current (see the renderer); the range lies within the buffer that `bind`
-            // has bound, whose bytes fit an i32 since it was made.
+            // SAFETY: the context is current (see the renderer); the range lies within the vertex buffer
+            // that the caller or `bind` has bound, whose size in bytes was checked to fit an i32.
             unsafe { self.gl().draw_arrays(glow::PATCHES, first, count) }
             if let (Some(feedback), Some(captured)) = (feedback, captured.as_deref_mut()) {
                 feedback.end(captured);

@@ -10,9 +10,9 @@ use crate::scene::{RenderSettings, Scene};
 /// Everything that is the same for all surfaces of one picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frame {
-    /// From where the picture is seen.
+    /// The view and projection matrices.
     pub camera: ViewProjection,
-    /// Where the picture lies in the bound framebuffer. Drawing sets it.
+    /// The rectangle of the bound framebuffer that is drawn to. Drawing sets it.
     pub viewport: Viewport,
     /// How the picture is drawn.
     pub settings: RenderSettings,
@@ -29,7 +29,8 @@ impl Frame {
         Self { camera, viewport: viewport.into(), settings }
     }
 
-    /// A frame of a scene as the scene asks for it: its settings, and its camera or one that sees all of it.
+    /// A frame with a scene's settings and its camera; a scene without a camera gets one that sees all
+    /// of it.
     #[must_use]
     pub fn of(scene: &Scene, viewport: impl Into<Viewport>) -> Self {
         let viewport = viewport.into();
@@ -39,17 +40,17 @@ impl Frame {
     }
 }
 
-/// A rectangle of pixels of a framebuffer, as `glViewport` has it.
+/// A rectangle of pixels of a framebuffer, as `glViewport` takes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Viewport {
-    /// Its first pixel, from the lower left corner of the framebuffer.
+    /// Its lower left pixel, counted from the lower left corner of the framebuffer.
     pub origin: IVec2,
-    /// Width and height in pixels. 0 is taken as 1.
+    /// Width and height in pixels. 0 counts as 1.
     pub size: UVec2,
 }
 
 impl From<(u32, u32)> for Viewport {
-    /// Width and height of a picture that begins at the first pixel.
+    /// From the width and height of a picture at the lower left corner of the framebuffer.
     fn from((width, height): (u32, u32)) -> Self {
         Self::from(UVec2::new(width, height))
     }
@@ -62,18 +63,19 @@ impl From<UVec2> for Viewport {
 }
 
 impl Viewport {
-    /// Width and height, at least 1.
+    /// Width and height in pixels, clamped to the range from 1 to the largest `i32`.
     pub(crate) fn pixels(&self) -> UVec2 {
         self.size.clamp(UVec2::ONE, UVec2::splat(i32::MAX as u32))
     }
 
-    /// As `common/aov.frag` has it: the first pixel, half of the width and height.
+    /// The uniform `viewport` of `common/aov.frag`: the lower left pixel, and half of the width and
+    /// height.
     pub(super) fn origin_and_half(&self) -> Vec4 {
         let (first, half) = (self.origin.as_vec2(), 0.5 * self.pixels().as_vec2());
         Vec4::new(first.x, first.y, half.x, half.y)
     }
 
-    /// Makes it the context's.
+    /// Sets the context's viewport.
     pub(super) fn set(&self, gl: &Gl) {
         let (first, size) = (self.origin, self.pixels().as_ivec2());
         // SAFETY: the context is current (see the renderer).

@@ -1,4 +1,4 @@
-//! Draws of the exact method: sub-patches of patches.
+//! Draws the sub-patches of the exact method.
 
 use super::capture::DrawnVertex;
 use super::draw_list::{Batch, DrawList};
@@ -10,8 +10,11 @@ use crate::programs::{CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACE
 use crate::scene::Shading;
 
 impl Renderer {
-    /// Draws what an up-to-date list holds: sub-patches that are wholly kept without the trims' code, those that
-    /// may be cut with it. The triangles go to `captured`, if it is given.
+    /// Draws the sub-patches of an up-to-date list: with trim code those that trims may cut, without
+    /// it those that are completely kept. The triangles are written to `captured`, if it is given.
+    ///
+    /// # Errors
+    /// A shader that the driver rejects, or as [`Renderer::make_draws`].
     pub(crate) fn draw_patches(
         &mut self,
         surfaces: &[PreparedSurface],
@@ -39,7 +42,7 @@ impl Renderer {
                 && surfaces[batch.surface].texture().has_holes(),
             far_depth: frame.camera.depth_scale().is_some(),
         };
-        // Before anything is bound: a program may be refused.
+        // All programs are linked before anything is bound, because the driver may reject one.
         for batch in draw_list.drawn_batches() {
             self.program(key(batch))?;
         }
