@@ -1,4 +1,5 @@
-//! Meshes as smooth triangles: patches of three points, cut by the tessellation stages.
+//! Meshes, drawn as OpenGL patches of three vertices. The tessellation stages divide smooth triangles;
+//! flat ones have level 1.
 
 use std::mem::offset_of;
 use std::rc::Rc;
@@ -25,13 +26,13 @@ use crate::tessellation::{
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct FlatCorner {
-    /// And s of the texture coordinates.
+    /// Position, centred and scaled; and the texture coordinate s.
     position: [f32; 4],
-    /// And t.
+    /// Normal, and the texture coordinate t.
     normal: [f32; 4],
 }
 
-/// The same without texture coordinates.
+/// A corner of a flat triangle without texture coordinates.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct BareCorner {
@@ -44,8 +45,9 @@ pub(super) struct BareCorner {
 #[repr(C)]
 pub(super) struct SmoothCorner {
     flat: FlatCorner,
-    /// The normal here that shapes the edge to the next corner, and the edge from the one before.
+    /// The normal at this corner that shapes the edge to the next corner.
     leaving: [f32; 3],
+    /// The normal at this corner that shapes the edge from the corner before.
     arriving: [f32; 3],
 }
 
@@ -56,7 +58,7 @@ impl Vertex for FlatCorner {
     ];
 }
 
-/// OpenGL sets the fourth components to 1.
+/// OpenGL sets the missing fourth components to 1.
 impl Vertex for BareCorner {
     const ATTRIBUTES: &'static [Attribute] = &[
         Attribute::floats(0, 3, offset_of!(Self, position)),
@@ -73,9 +75,10 @@ impl Vertex for SmoothCorner {
     ];
 }
 
-/// The paint of triangles up to this one.
+/// The paint of consecutive triangles.
 #[derive(Debug)]
 struct Painted {
+    /// The index after the last triangle; the first one follows the triangles of the paint before.
     end: usize,
     texture: Rc<Texture>,
 }
@@ -93,24 +96,25 @@ pub(crate) struct PreparedMesh {
     paints: Vec<Painted>,
     centering: LocalFrame,
     corners: Buffer,
-    /// Of each corner, if the mesh has some.
+    /// The colour of each corner, if the mesh has colours.
     colors: Option<Buffer>,
     /// Control points of all triangles, 10 or 6 each; empty for flat ones.
     nets: Vec<DVec3>,
     key: Option<PlanKey>,
-    /// For each triangle the level that it needs by itself; 0 if it is out of view.
+    /// For each triangle, the level that it needs regardless of its neighbours; 0 if it is out of view.
     needs: Vec<u8>,
-    /// Of each edge the larger need.
+    /// For each edge, the largest need of its triangles. Empty if all levels are equal.
     edges: Vec<u8>,
-    /// Of each triangle.
+    /// For each triangle, the levels that it is drawn with.
     words: Vec<TriangleLevels>,
+    /// The same in the driver's memory.
     levels: Option<TexelBuffer>,
     draws: Vec<Draw>,
     stats: FrameStats,
 }
 
 impl PreparedMesh {
-    /// Uploads a mesh; `texture` uploads a paint.
+    /// Uploads a mesh; `texture` returns the uploaded texture of a paint.
     pub(crate) fn new<'a>(
         gl: &Gl,
         model: &'a MeshModel,
@@ -202,7 +206,7 @@ impl PreparedMesh {
         self.stats
     }
 
-    /// From the driver's points to world space.
+    /// The matrix from the driver's points to world space.
     fn points_to_world(&self) -> DMat4 {
         self.model.transform * self.centering.to_model()
     }
@@ -218,7 +222,7 @@ impl PreparedMesh {
         if self.key == Some(key) {
             return Ok(());
         }
-        // Only a whole update counts.
+        // If the update fails, the next one starts again.
         self.key = None;
         self.find_levels(&key);
         match &self.levels {
@@ -234,7 +238,7 @@ impl PreparedMesh {
         Ok(())
     }
 
-    /// The levels of all triangles that can be seen.
+    /// Computes the levels of all triangles, and the statistics.
     fn find_levels(&mut self, key: &PlanKey) {
         let (tolerance, fixed) = match key.tessellation {
             Tessellation::Within(tolerance) => (tolerance.pixels(), None),
@@ -259,7 +263,7 @@ impl PreparedMesh {
         };
         self.needs.clear();
         self.edges.clear();
-        // At one level all edges have it.
+        // With a fixed level, all edges have that level.
         self.edges.resize(if fixed.is_none() { mesh.edges() as usize } else { 0 }, 0);
         for triangle in 0..triangles {
             let bound = bound(triangle);
@@ -298,7 +302,7 @@ impl PreparedMesh {
         self.stats = stats;
     }
 
-    /// Draws of triangles of one paint that follow one another, as many vertices each as the driver likes.
+    /// Divides the triangles of each paint into draws of the size that suits the driver.
     fn find_draws(&mut self, draw_size: DrawSize) {
         self.draws.clear();
         let mut first = 0;
@@ -310,8 +314,8 @@ impl PreparedMesh {
     }
 }
 
-/// The levels of a triangle as `triangles/triangle.tesc` reads them, 8 bits each: of its three edges, and of its
-/// inside. All 0 if it is not drawn.
+/// The levels of a triangle as `triangles/triangle.tesc` reads them, 8 bits each: those of its three
+/// edges, then that of its inside. All are 0 if it is not drawn.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(transparent)]
 struct TriangleLevels(u32);
@@ -337,8 +341,11 @@ impl Tessellated for TriangleLevels {
 }
 
 impl Renderer {
-    /// Draws a mesh as it was last updated; `first_patch` is the number of its first triangle among all
-    /// patches.
+    /// Draws a mesh with the levels of the last update. `first_patch` is the index of its first triangle
+    /// among all patches of the scene.
+    ///
+    /// # Errors
+    /// A shader that the driver rejects, or as [`Renderer::make_draws`].
     pub(crate) fn draw_mesh(
         &mut self,
         mesh: &PreparedMesh,
@@ -366,7 +373,8 @@ impl Renderer {
         program.bind();
         set_depth(&program, frame);
         let columns = matrices(&mesh.points_to_world(), &frame.camera);
-        // Cross products turn with the triangle, normals stay outside.
+        // The cofactor matrix transforms cross products. If the transform mirrors, it reverses normals;
+        // the sign makes them point outwards again.
         let sign = mesh.model.transform.determinant().signum() as f32;
         set_columns(&program, &columns, sign);
         if let Smoothing::Phong(alpha) = smoothing {

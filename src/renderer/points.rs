@@ -1,5 +1,5 @@
-//! Control points in the driver's memory: centred and scaled in `f64`, so that 32-bit floats lose
-//! nothing wherever a model stands and whatever its size.
+//! Control points in the driver's memory. They are centred and scaled in `f64`, so that the relative
+//! precision of `f32` does not depend on the position and the size of a model.
 
 use std::rc::Rc;
 
@@ -9,36 +9,37 @@ use crate::bezier::{bounding_box, homogeneous};
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
 
-/// A box of control points, moved to the origin and scaled to about ±1.
+/// The translation and the scale that take a box of control points to coordinates within ±1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LocalFrame {
     center: DVec3,
-    /// Half the size of the box, rounded up to a power of two.
+    /// Half of the longest side of the box, rounded up to a power of two.
     scale: f64,
 }
 
 impl LocalFrame {
-    /// Of the box around these points.
+    /// For the bounding box of the given points.
     pub(crate) fn of<'a>(points: impl Iterator<Item = &'a DVec4>) -> Self {
         let [low, high] = bounding_box(points.map(|point| point.truncate()));
         let half = (0.5 * (high - low)).max_element();
-        // Equal points have no size. A power of two scales without rounding.
+        // The box of equal points has no size. Scaling by a power of two does not round.
         let half = if half > 0.0 { half } else { 1.0 };
         Self { center: low.midpoint(high), scale: half.log2().ceil().exp2() }
     }
 
-    /// From the driver's control points to those of the model.
+    /// The matrix from the driver's control points to model space.
     pub(crate) fn to_model(self) -> DMat4 {
         DMat4::from_translation(self.center) * DMat4::from_scale(DVec3::splat(self.scale))
     }
 
-    /// A control point as the driver gets it: homogeneous.
+    /// A control point (x, y, z, weight) as it is uploaded: centred, scaled and homogeneous, which means
+    /// multiplied by its weight.
     pub(crate) fn apply(self, point: DVec4) -> Vec4 {
         homogeneous(((point.truncate() - self.center) / self.scale).extend(point.w)).as_vec4()
     }
 }
 
-/// A control point, homogeneous.
+/// A homogeneous control point.
 impl Vertex for Vec4 {
     const ATTRIBUTES: &'static [Attribute] = &[Attribute::floats(0, 4, 0)];
 }
@@ -47,16 +48,18 @@ impl Vertex for Vec4 {
 #[derive(Debug)]
 pub(crate) struct ControlPoints {
     buffer: Rc<TexelBuffer>,
+    /// The index of the surface's first point in the buffer.
     first: usize,
     centering: LocalFrame,
-    /// The largest coordinate after centring and scaling: 1, or more since points were moved.
+    /// Upper bound of the coordinates' magnitudes after centring and scaling: 1, or more if points were
+    /// moved out of the box.
     extent: f64,
-    /// How many points were moved since they were centred.
+    /// The number of moves since the points were last centred or their box was last computed.
     moved: usize,
 }
 
 impl ControlPoints {
-    /// Uploads the control points of several surfaces into one buffer; each with its centering.
+    /// Uploads the control points of several surfaces into one buffer, each with its own centring.
     pub(crate) fn upload(gl: &Gl, surfaces: &[(&[DVec4], LocalFrame)]) -> Result<Vec<Self>> {
         let count = surfaces.iter().map(|(points, _)| points.len()).sum();
         let mut values = Vec::with_capacity(count);
@@ -88,13 +91,14 @@ impl ControlPoints {
         self.buffer.buffer().write(self.first + index, &[self.centering.apply(point)]);
     }
 
-    /// The number of the first in the buffer.
+    /// The index of the surface's first point in the buffer.
     pub(crate) const fn first(&self) -> usize {
         self.first
     }
 
-    /// Whether the surface's points should be centred again: one went far out of their box, or the box has
-    /// become much smaller. Of many points the box is looked at when as many were moved.
+    /// Whether the surface's points should be centred again: a point has moved far out of the box, or the
+    /// box has shrunk to a quarter. If there are many points, their box is only computed after as many
+    /// moves.
     pub(crate) fn are_off_center(&mut self, points: &[DVec4]) -> bool {
         const FAR: f64 = 3.0;
         const FEW: usize = 1024;
@@ -117,7 +121,7 @@ impl ControlPoints {
         self.buffer.buffer().write(self.first, &values);
     }
 
-    /// The largest coordinate that the driver has or had of them.
+    /// Upper bound of the magnitudes of the uploaded coordinates, before multiplication by the weights.
     pub(crate) const fn extent(&self) -> f64 {
         self.extent
     }

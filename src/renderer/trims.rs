@@ -1,4 +1,4 @@
-//! The trims of a surface in the driver's memory, in the form of each method.
+//! The trims of a surface in the driver's memory, in one form for each method.
 
 use std::sync::Arc;
 
@@ -12,8 +12,8 @@ use crate::tessellation::{FixedSplit, TrimSplits};
 use crate::thesis::trims::ThesisTrims;
 use crate::trim::{TrimGrid, Trims};
 
-/// The trims in the form that the shaders of each method read. A form is made when the method first draws the
-/// surface, and is thrown away when its trims change.
+/// The trims in the forms that the shaders of the two methods read. A form is made when its method
+/// first draws the surface, and is discarded when the trims change.
 #[derive(Debug, Default)]
 pub(crate) struct UploadedTrims {
     pub(crate) thesis: Option<ThesisTrims>,
@@ -21,7 +21,7 @@ pub(crate) struct UploadedTrims {
 }
 
 impl UploadedTrims {
-    /// Makes what a method needs, unless it is there.
+    /// Makes what the method of the settings needs, if it is not made yet.
     pub(super) fn prepare(
         &mut self,
         gl: &Gl,
@@ -48,15 +48,16 @@ impl UploadedTrims {
     }
 }
 
-/// The exact method's grid, and the sub-patches of a patch that it leaves to be drawn.
+/// The exact method's grid, and the results of trimming sub-patches with it.
 #[derive(Debug)]
 pub(crate) struct ExactTrims {
     grid: Arc<TrimGrid>,
     features: TrimFeatures,
+    /// The grid in the form that the shaders read; `None` if they need no trim code.
     words: Option<TexelBuffer>,
-    /// Within a tolerance.
+    /// For frames within a tolerance.
     sub_patches: TrimSplits,
-    /// At the level that was asked for last.
+    /// For frames at a fixed level: those of the level that was requested last.
     fixed: Option<(TessLevel, FixedSplit)>,
 }
 
@@ -76,20 +77,22 @@ impl ExactTrims {
         Ok(Self { grid, features, words: words.transpose()?, sub_patches, fixed: None })
     }
 
-    /// Makes the sub-patches for a level; the grid stays.
+    /// Makes the sub-patches for a fixed level, if they are not made yet.
     fn fix(&mut self, level: TessLevel) {
         if self.fixed.as_ref().is_none_or(|(known, _)| *known != level) {
             self.fixed = Some((level, FixedSplit::new(&self.grid, level)));
         }
     }
 
-    /// The kinds of trims that cut something.
+    /// The parts of the trim code that the shaders need.
     pub(crate) const fn features(&self) -> TrimFeatures {
         self.features
     }
 
-    /// The sub-patches within a tolerance, if there are trims, and those at a level, if there is one.
+    /// The sub-patches for a tolerance, if the trims cut anything; and those of the fixed level that was
+    /// requested last, if there was one.
     pub(crate) fn sub_patches(&mut self) -> (Option<&mut TrimSplits>, Option<&FixedSplit>) {
+        // Without any curves and shapes the answer is the same everywhere: `Keep::Inside` cuts it all.
         let cuts = self.features.any() || self.grid.cut(Vec2::splat(0.5));
         (
             cuts.then_some(&mut self.sub_patches),
@@ -97,7 +100,7 @@ impl ExactTrims {
         )
     }
 
-    /// Binds what the features read.
+    /// Binds the grid for the shaders' trim code.
     pub(crate) fn bind(&self) {
         if let Some(words) = &self.words {
             words.bind(TRIM_WORDS_UNIT);

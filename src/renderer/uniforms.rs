@@ -1,4 +1,4 @@
-//! Uniforms that programs of several kinds share.
+//! Sets uniforms that programs of several pipelines have.
 
 use glam::{DMat4, Mat4, Vec4};
 
@@ -7,29 +7,30 @@ use crate::camera::ViewProjection;
 use crate::gpu::Program;
 use crate::programs::location;
 
-/// Sets where the lights stand, in view space.
+/// Sets the positions of the lights, in view space.
 pub(crate) fn set_lights(program: &Program, frame: &Frame) {
     let [first, second] = frame.settings.light.positions(&frame.camera);
     program.set_vec3(location::LIGHT_POSITION, first.as_vec3());
     program.set_vec3(location::LIGHT_POSITION_2, second.as_vec3());
 }
 
-/// Sets what the distance becomes a depth by, if depth is written so.
+/// Sets the factor from the distance along the view axis to depth, if the fragment stage writes such a
+/// depth ([`ViewProjection::depth_scale`]).
 pub(crate) fn set_depth(program: &Program, frame: &Frame) {
     if let Some(scale) = frame.camera.depth_scale() {
         program.set_f32(location::DEPTH_SCALE, scale as f32);
     }
 }
 
-/// Sets what AOVs need: the way to world space, and the viewport.
+/// Sets what AOVs need: the matrix from view space to world space, and the viewport.
 pub(crate) fn set_aovs(program: &Program, frame: &Frame) {
     let to_world = frame.camera.view.inverse().as_mat4();
     program.set_mat4(location::VIEW_TO_WORLD, &to_world);
     program.set_vec4(location::VIEWPORT, frame.viewport.origin_and_half());
 }
 
-/// Sets the matrices of one surface or mesh by their columns ([`super::draw_list::matrices`]). Its normals are turned
-/// round where `sign` is −1.
+/// Sets the matrices of one surface or mesh from their columns ([`super::draw_list::matrices`]). If
+/// `sign` is −1, normals are reversed.
 pub(super) fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
     let matrix = |first: usize| {
         let [x, y, z, w] = [0, 1, 2, 3].map(|i| columns[first + i]);
@@ -40,8 +41,8 @@ pub(super) fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
     program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
 }
 
-/// Sets the listings' matrices. Their world begins at the eye: what is far from the origin would lose its digits
-/// in `f32` else.
+/// Sets the matrices of the ported shaders. The origin of their world space is moved to the eye, because
+/// `f32` coordinates of a scene far from the origin would be imprecise.
 pub(crate) fn set_matrices(program: &Program, model: &DMat4, camera: &ViewProjection) {
     let eye = camera.view.inverse().w_axis.truncate();
     let to_eye = DMat4::from_translation(-eye);
