@@ -68,7 +68,7 @@ impl Renderer {
     /// written to `captured`, if it is given, otherwise to the framebuffer.
     ///
     /// # Errors
-    /// As [`Feedback::begin`].
+    /// Captured triangles that do not fit the driver's memory.
     pub(super) fn make_draws(
         &self,
         draws: &[Draw],

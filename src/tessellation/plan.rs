@@ -1,15 +1,18 @@
-//! The level, cull and batch pass: which sub-patches of which patches a frame draws, and how finely.
+//! Plans a frame: which sub-patches of which patches are drawn, with how many cells, and in which lists.
 //!
-//! A patch's triangles form a regular grid of n × m cells, so that the bound of `bound.rs` holds for all
-//! of them whatever way a driver stitches edges to insides. An edge has one level, the larger need of
-//! its two sides; a side whose grid is finer moves its vertices to the edge's places, towards the
-//! middle of the side, as its diagonals point. Both sides then have the same vertices, and no
-//! triangle extends further than a level of the edge (`glsl/exact/surface.tese`). The method assumes one thing of the
-//! driver: equal levels make a regular grid whose diagonals point to the middle. Direct3D requires this and Mesa does
-//! it; OpenGL does not specify it.
+//! The triangles of a sub-patch form a regular grid of n × m cells, so the bound of `bound.rs` holds for
+//! all of them, however a driver would connect an inside to an edge of another level. An edge has one
+//! level: the largest that the patches at the edge need. If the grid of a patch is finer than an edge
+//! of it, its vertices on the edge move to the positions that the edge's level gives, towards the
+//! middle of the edge, which is where the diagonals of the cells point. All patches at the edge then
+//! have the same vertices there, and no triangle reaches further along the edge than 1/level
+//! (`glsl/exact/surface.tese`). This assumes that a driver divides a patch of equal levels into a
+//! regular grid whose diagonals point to the middle. Direct3D requires it and Mesa does it; OpenGL does
+//! not specify the diagonals.
 //!
-//! A patch that needs more than 16 cells a side is drawn as 2ⁱ × 2ʲ sub-patches, each with its own bound. The levels
-//! of its edges are multiples of 2ⁱ and 2ʲ.
+//! A patch that needs more than 16 cells along a side is drawn as 2ⁱ × 2ʲ sub-patches, each with its
+//! own bound. So are patches that trims cut, and patches that span a large range of depth. The levels of
+//! a patch's edges are multiples of 2ⁱ along u and of 2ʲ along v.
 
 mod splitting;
 #[cfg(test)]
@@ -50,7 +53,7 @@ pub(crate) struct SubPatch {
     pub(crate) cells: u32,
     /// Number of the patch's sub-patches along u (from bit 0) and v (from bit 16).
     pub(crate) sub_patches: u32,
-    /// Unused; pads the struct to 32 bytes, which are quick to read.
+    /// Unused; pads the struct to 32 bytes, which are faster to read.
     pub(crate) padding: u32,
 }
 
@@ -65,16 +68,17 @@ impl Tessellated for SubPatch {
     }
 }
 
-/// The lists that a surface's sub-patches go to. The sub-patches of a list share one program and one set of textures.
+/// The indices of the lists that a surface's sub-patches go to. The sub-patches of a list share one
+/// program and one set of textures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Lists {
-    /// Sub-patches that no trim touches, by [`PatchKind`].
+    /// For sub-patches that the trims keep completely, by [`PatchKind`].
     pub(crate) kept: [u32; PatchKind::ALL.len()],
-    /// Sub-patches that a trim may cut.
+    /// For sub-patches that a trim may cut, by [`PatchKind`].
     pub(crate) trimmed: [u32; PatchKind::ALL.len()],
 }
 
-/// The properties of a surface that the pass needs.
+/// The properties of a surface that planning needs.
 #[derive(Debug)]
 pub(crate) struct SurfacePatches<'a> {
     pub(crate) degree: Degree,
@@ -83,10 +87,11 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
     pub(crate) cones: &'a [NormalCone],
-    /// The viewpoint, and −1 if the surface's matrix mirrors, for surfaces whose back-facing patches are culled.
+    /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the surface's matrix
+    /// mirrors, otherwise 1.
     pub(crate) back: Option<(Eye, f64)>,
     pub(crate) trims: Option<&'a mut TrimSplits>,
-    /// The sub-patches of its patches at the frame's fixed level, if the frame has one.
+    /// The sub-patches of each patch at the frame's fixed level. Only needed if the frame has one.
     pub(crate) fixed: Option<&'a FixedSplit>,
     pub(crate) first_point: u32,
     pub(crate) first_patch: u32,
@@ -108,7 +113,8 @@ impl SurfacePatches<'_> {
         })
     }
 
-    /// Bounds of up to `TOGETHER` patches from `first`; `None` for culled ones.
+    /// The needs of up to `TOGETHER` patches from `first` on; `None` for those that face away or are out
+    /// of view.
     fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
         let patches = &self.patches::<N>()[first..];
         let none = Candidate { points: &patches[0], is_rational: false, place: 0 };
@@ -148,11 +154,13 @@ pub struct FrameStats {
     pub triangles: u64,
     /// Number of draw calls.
     pub draws: usize,
-    /// How far a point on the screen can be from the surface at most, in pixels; infinite if a patch
-    /// reaches behind the eye and has too few triangles for any bound. The thesis' method does not know.
+    /// Upper bound of the distance on the screen between the drawn triangles and the surfaces, in pixels.
+    /// Infinite if a patch crosses the near plane and has too few triangles for a bound. The thesis'
+    /// method computes no bound.
     pub largest_bound: Option<f64>,
-    /// The same if it is above the tolerance because a limit was reached: of 2¹³ cells a side, or of
-    /// what 32-bit floats can tell apart.
+    /// The largest bound that is above the tolerance, if any. A limit was then reached: 2¹³ cells along
+    /// a side of a patch, 64 levels for a triangle of a mesh, or the precision of `f32`. Always `None` at
+    /// a fixed level.
     pub unmet: Option<f64>,
 }
 
@@ -172,7 +180,7 @@ impl FrameStats {
     }
 }
 
-/// Keeps the larger value.
+/// Replaces `max` by `value` if that is larger, or if there is no maximum yet.
 pub(crate) fn raise(max: &mut Option<f64>, value: f64) {
     *max = Some(max.map_or(value, |max| max.max(value)));
 }
@@ -180,47 +188,52 @@ pub(crate) fn raise(max: &mut Option<f64>, value: f64) {
 /// The tessellation chosen for a patch.
 #[derive(Debug, Clone, Copy, Default)]
 struct State {
+    /// `false` if nothing of the patch is drawn.
     drawn: bool,
-    /// Split depth along u and v.
+    /// Split depth along u and v: the patch has 2^depth sub-patches in each direction.
     depth: [u8; 2],
     /// Cells along u and v if the patch is not split.
     cells: [u8; 2],
-    /// Index of its sub-patches' first cells if the patch is split.
+    /// If the patch is split, the index in [`Plan::cells`] of its first sub-patch.
     first_cell: u32,
     /// Diagonal of the patch's possibly visible region on the screen, in pixels.
     extent: f32,
 }
 
-/// The level of an edge and the split depth of its sides.
+/// The level of an edge, and the largest split depth along it of the patches that it belongs to.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
     level: u32,
-    /// As wide as the level: with a narrower field the next patch would wait for this patch's write.
+    /// As wide as the level, although the values are small: with a narrower field, reading an edge
+    /// shortly after it was written would stall.
     depth: u32,
 }
 
 impl Edge {
-    /// The level, rounded up so that the sub-patches on either side have integer levels.
+    /// The level, rounded up so that the sub-patches of all patches at the edge have integer levels.
     const fn rounded(self) -> u32 {
         self.level.next_multiple_of(1 << self.depth)
     }
 }
 
-/// The tessellation of a sub-patch: number of the patch's sub-patches along u and v, its column and row, and the
-/// levels of its edges.
+/// The tessellation of a sub-patch: the number of the patch's sub-patches along u and v, its own column
+/// and row, and the levels of its edges.
 struct Grid {
     sides: [u32; 2],
     place: [u32; 2],
     edges: [u32; SIDES],
 }
 
-/// The pass and its buffers, which are reused from frame to frame.
+/// The plan of a frame. Its buffers are reused from frame to frame.
 #[derive(Debug, Default)]
 pub(crate) struct Plan {
+    /// For each patch of all surfaces.
     states: Vec<State>,
+    /// For each edge of the table.
     edges: Vec<Edge>,
-    /// Cells along u and v of the sub-patches of split patches; 0 where nothing is drawn.
+    /// Cells along u and v of the sub-patches of split patches, row by row; 0 where nothing is drawn.
     cells: Vec<[u8; 2]>,
+    /// Working storage for splitting one patch.
     leaves: Vec<Leaf>,
     lists: Vec<Vec<SubPatch>>,
     stats: FrameStats,
@@ -245,7 +258,7 @@ impl Plan {
         self.stats = FrameStats::default();
     }
 
-    /// Plans a frame at one level for all patches.
+    /// Plans a frame with the same fixed level for all patches.
     pub(crate) fn at_level(
         &mut self,
         surfaces: &[SurfacePatches<'_>],
@@ -321,7 +334,8 @@ impl Plan {
         }
     }
 
-    /// Decides about each patch of a surface independently.
+    /// Chooses the tessellation of each patch of a surface regardless of its neighbours, and raises the
+    /// levels of the patches' edges to their needs.
     fn surface_within<const N: usize>(
         &mut self,
         surface: &mut SurfacePatches<'_>,
@@ -355,8 +369,8 @@ impl Plan {
         self.cells[state.first_cell as usize + (row << state.depth[0]) + column]
     }
 
-    /// Removes the sub-patches that the trims cut away; returns `None` if nothing remains. A patch that trims
-    /// intersect is split into sub-patches if it is large enough on the screen.
+    /// Removes the sub-patches that the trims cut away; returns `None` if nothing remains. If the trims
+    /// cut a patch in part and it is large enough on the screen, it is split further first.
     fn without_cut_sub_patches(
         &mut self,
         state: State,
@@ -385,7 +399,7 @@ impl Plan {
         cells.iter().any(|cells| *cells != [0; 2]).then_some(state)
     }
 
-    /// Raises the levels of a patch's edges to the patch's needs.
+    /// Raises the levels and depths of a patch's edges to the patch's needs.
     fn ask(&mut self, state: State, edges: [usize; SIDES]) {
         for (side, edge) in edges.into_iter().enumerate() {
             let axis = axis_of(side);
@@ -396,7 +410,7 @@ impl Plan {
         }
     }
 
-    /// The largest cell count of a sub-patch along a side.
+    /// The largest number of cells along a side of the patch that any sub-patch at this side has.
     fn along_side(&self, state: &State, side: usize) -> u32 {
         let axis = axis_of(side);
         if state.depth == [0; 2] {
@@ -411,7 +425,8 @@ impl Plan {
         cells.max().unwrap_or(0).into()
     }
 
-    /// Splits patches in halves until no sub-patch's edge has more cells than OpenGL supports.
+    /// Splits patches further until no edge of a sub-patch has more levels than OpenGL supports: a
+    /// neighbour may need a higher level than the patch.
     fn agree(&mut self, table: &EdgeTable) {
         if self.edges.iter().all(|edge| edge.level <= MAX_CELLS && edge.depth == 0) {
             return;
@@ -458,8 +473,8 @@ impl Plan {
             lists[kind]
         };
         if state.depth == [0; 2] {
-            // Unsplit patches are handled separately because nearly all patches are unsplit: the whole pass takes a
-            // sixth less time.
+            // Nearly all patches are unsplit. Handling them separately reduces the time of planning by a
+            // sixth.
             let cut = surface.trims.as_deref_mut().map(|trims| trims.cuts([0; 2])[0]);
             let grid = Grid { sides, place: [0; 2], edges: borders };
             self.push(surface, patch, list_of(cut), &grid);
@@ -493,12 +508,13 @@ impl Plan {
         surface.trims = trims;
     }
 
+    /// Appends a sub-patch to a list.
     #[inline]
     fn push(&mut self, surface: &SurfacePatches<'_>, patch: usize, list: u32, grid: &Grid) {
         let Grid { sides, place, edges } = grid;
         let mut cells = [edges[1].max(edges[3]), edges[0].max(edges[2])];
         if cells != [1, 1] {
-            // OpenGL cannot draw a patch with one cell along one side and several along another.
+            // If any level is above 1, OpenGL replaces inner levels of 1 by 2.
             cells = cells.map(|cells| cells.max(2));
         }
         let sub_patch = SubPatch {
@@ -516,7 +532,7 @@ impl Plan {
     }
 }
 
-/// The axis that a side runs along: sides u = 0 and u = 1 run along v.
+/// The axis that a side is parallel to, 0 for u and 1 for v: the sides u = 0 and u = 1 run along v.
 const fn axis_of(side: usize) -> usize {
     1 - side % 2
 }

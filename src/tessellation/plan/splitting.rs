@@ -1,28 +1,29 @@
-//! Patches in sub-patches: halved until each sub-patch needs few cells, or is not seen.
+//! Splits patches in halves until each sub-patch needs few cells or is out of view.
 
 use super::{MAX_CELLS, Plan, State, raise};
 use crate::tessellation::bound::{Bound, ClipNet, Need, Rounding, Screen};
 
-/// Cells a side beyond which a patch is drawn in sub-patches. Sub-patches have bounds of their own, and what is not
-/// seen of them is not drawn; very small ones cost more than they save. The teapot at 0.5 px has 34,562
-/// triangles with 32 here, 27,492 with 16 and 27,158 with 12.
+/// A patch that needs more cells along a side is split. Each sub-patch has its own bound and is not
+/// drawn if it is out of view, but very small sub-patches cost more than they save. At 0.5 px the
+/// teapot has 34,562 triangles if this value is 32, 27,492 if it is 16, and 27,158 if it is 12.
 const MAX_WHOLE: f64 = 16.0;
 /// A patch has at most 2⁷ sub-patches along a side.
 const MAX_DEPTH: u8 = 7;
-/// How often a sub-patch is halved further to tell its error.
+/// How many times a sub-patch is divided into quarters to bound its error more closely.
 const DEEPER: u32 = 6;
 
-/// A sub-patch of a patch while it is being halved.
+/// A sub-patch of a patch that is being split: its depth, its column and row at this depth, and its
+/// cells.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
     depth: [u8; 2],
     place: [u32; 2],
-    /// None if it is not seen.
+    /// `None` if it is out of view, and until the number of cells is decided.
     cells: Option<[u8; 2]>,
 }
 
 impl Plan {
-    /// How finely a patch that is seen must be cut.
+    /// Chooses the tessellation of a patch that may be visible, from its need.
     #[inline]
     pub(super) fn decide<const N: usize>(
         &mut self,
@@ -42,7 +43,8 @@ impl Plan {
         State { extent, ..self.gather() }
     }
 
-    /// The cells that a sub-patch is drawn with: at most what OpenGL draws. Their error is noted.
+    /// The numbers of cells that a sub-patch is drawn with: its need, limited to what OpenGL supports.
+    /// The bound of the error goes into the statistics.
     #[inline]
     fn settle<const N: usize>(
         &mut self,
@@ -63,7 +65,8 @@ impl Plan {
         cells.map(|cells| cells as u8)
     }
 
-    /// Halves a sub-patch until it needs few cells or is not seen.
+    /// Halves a sub-patch until its parts need few cells or are out of view, and appends these to the
+    /// leaves.
     fn halve<const N: usize>(
         &mut self,
         net: &ClipNet<N>,
@@ -87,7 +90,7 @@ impl Plan {
                 self.leaves.push(Leaf { cells: Some(cells), ..sub_patch });
                 return;
             }
-            // The longer one, or in turns.
+            // The direction with more cells; if they are equal, u and v in turn.
             [true, true] => {
                 usize::from((levels[1], sub_patch.depth[0]) > (levels[0], sub_patch.depth[1]))
             }
@@ -102,7 +105,8 @@ impl Plan {
         }
     }
 
-    /// Spreads the leaves over a grid of sub-patches that all have the size of the smallest.
+    /// Distributes the leaves over a regular grid of sub-patches, which is as fine as the deepest visible
+    /// leaf in each direction. A larger leaf is divided into several sub-patches, and so are its cells.
     fn gather(&mut self) -> State {
         let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
         let max = |axis: usize| seen().map(|leaf| leaf.depth[axis]).max();
@@ -123,13 +127,14 @@ impl Plan {
         State { drawn: true, depth, first_cell: first_cell as u32, ..State::default() }
     }
 
+    /// Makes room for the cells of a patch's sub-patches; returns the index of the first.
     fn new_cells(&mut self, depth: [u8; 2]) -> usize {
         let first = self.cells.len();
         self.cells.resize(first + (1 << (depth[0] + depth[1])), [0; 2]);
         first
     }
 
-    /// Halves the sub-patches of a patch along one axis; levels are halved with them.
+    /// Halves all sub-patches of a patch along one axis, and their numbers of cells, rounded up.
     pub(super) fn refine(&mut self, state: &mut State, axis: usize) {
         let old = *state;
         state.depth[axis] += 1;
@@ -147,8 +152,9 @@ impl Plan {
     }
 }
 
-/// The largest error of a sub-patch with the given cells. If its bound is above the
-/// tolerance, smaller sub-patches may tell better: much of it may be out of sight.
+/// Upper bound of the error of a sub-patch with the given cells. If the bound of the whole sub-patch is
+/// above the tolerance, the largest bound of its quarters is used, recursively up to `deeper` times: it
+/// may be lower, because quarters that are out of view do not count.
 fn left_over<const N: usize>(
     net: &ClipNet<N>,
     bound: &Bound,
@@ -158,7 +164,7 @@ fn left_over<const N: usize>(
     deeper: u32,
 ) -> f64 {
     let error = bound.error(cells, screen);
-    // Smaller sub-patches are rounded as much, but for what they reach into the depth.
+    // The rounding error of quarters is only smaller if the range of depth is large.
     let hopeless = bound.rounding > screen.tolerance() && bound.depth_ratio <= 2.0;
     if error <= screen.tolerance() || deeper == 0 || hopeless {
         return error;
@@ -175,8 +181,8 @@ fn left_over<const N: usize>(
         .fold(0.0, f64::max)
 }
 
-/// Whether a sub-patch spans so large a range of depth that rounding would move its near end visibly;
-/// smaller sub-patches help.
+/// Whether the bound of a sub-patch's rounding error is considerable and its range of depth large. Its
+/// parts then have smaller bounds.
 fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
     bound.rounding > 0.1 * screen.tolerance() && bound.depth_ratio > 2.0
 }
