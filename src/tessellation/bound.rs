@@ -1,18 +1,20 @@
 //! Bounds the screen-space distance between triangles and a patch, from the patch's control points in clip space
 //! (Filip, Magedson, Markot 1986, under perspective and for rational patches).
 //!
-//! Over a triangle that reaches h₁ along u and h₂ along v, linear interpolation of a function g is
-//! off by at most ⅛(h₁²·max|g_uu| + 2h₁h₂·max|g_uv| + h₂²·max|g_vv|), and each second derivative is
-//! at most the largest of its control differences. The interpolated quantities are homogeneous clip coordinates (x,
-//! y, w); those of a rational patch are not divided by its weight. For a point S of the surface, the triangle's point
-//! L at the same (u, v), ξ = x/w and δ = S − L,
+//! Over a triangle whose extent is h₁ along u and h₂ along v, the error of linear interpolation of a
+//! function g is at most ⅛(h₁²·max|g_uu| + 2h₁h₂·max|g_uv| + h₂²·max|g_vv|). For a patch of degree n,
+//! |g_uu| and |g_vv| are at most n(n − 1) times the largest second difference of the control points in
+//! their direction, and |g_uv| is at most n² times the largest mixed difference. The interpolated
+//! quantities are the homogeneous clip coordinates x, y and w; those of a rational patch are not divided
+//! by its weight. For a point S of the surface, the triangle's point L at the same (u, v), ξ = x/w and
+//! δ = S − L,
 //!
 //! ```text
 //! ξ_S − ξ_L = (δx − ξ_L·δw) / S_w
 //! ```
 //!
-//! exactly. It is therefore enough to bound the polynomials δx − ξ·δw and δy − η·δw for all visible ξ and η. They are
-//! convex in ξ and η, so their maxima lie at the ends of the range.
+//! exactly. It is therefore enough to bound |δx − ξ·δw| and |δy − η·δw|, with η = y/w, for all visible ξ
+//! and η. These are convex in ξ and η, so their maxima lie at the ends of the visible ranges.
 
 mod net;
 mod number;
@@ -26,21 +28,23 @@ pub(crate) use together::{Candidate, Need, TOGETHER, needs_of};
 
 use crate::camera::ViewProjection;
 
-/// Two units in the last place of an `f32` near 1. The measured evaluation error of a patch was at most 1.6 units of
-/// the magnitudes that [`Rounding`] adds up.
+/// 2⁻²³, twice the largest relative error of rounding to `f32`, which is 2⁻²⁴. The measured error of
+/// evaluating a patch was at most 1.6 · 2⁻²⁴ times the sum of magnitudes in [`Rounding::new`].
 const ROUNDING_UNIT: f64 = 1.0 / (1 << 23) as f64;
-/// Rasterizers snap vertices to 1/256 of a pixel.
+/// How far a rasterizer may move a vertex, in pixels: it rounds coordinates to multiples of 1/256, so
+/// √2/512 ≈ 0.0028.
 pub(super) const SUBPIXEL: f64 = 0.003;
-/// Leaves room for the error of the tessellator's fixed-point coordinates: the bound uses this share of the
-/// tolerance.
+/// The share of the tolerance that the levels are computed for. The rest allows for the error of the
+/// tessellator's fixed-point coordinates.
 const SHARE: f64 = 0.99;
 
 /// The properties of the image that the bound needs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Screen {
-    /// Half of the width and height in pixels: the number of pixels per unit of x/w and y/w.
+    /// Half of the width and height: the number of pixels per unit of x/w and of y/w.
     half: DVec2,
-    /// The least clip w between the near and the far plane for points of weight 1.
+    /// The least positive clip w on the near and the far plane, for points of weight 1. Without one, the
+    /// least positive number.
     near: f64,
     /// Tolerance in pixels.
     tolerance: f64,
@@ -49,7 +53,7 @@ pub(crate) struct Screen {
 impl Screen {
     pub(crate) fn new(projection: &ViewProjection, size: UVec2, tolerance: f64) -> Self {
         let (z, w) = (projection.projection.row(2), projection.projection.row(3));
-        // Depths along the view axis where z = −w and z = w, and w there.
+        // Clip w where z = `sign`·w; `depth` is the view-space z there.
         let at = |sign: f64| {
             let depth = (w.w * sign - z.w) / (z.z - w.z * sign);
             w.z * depth + w.w
@@ -69,8 +73,8 @@ impl Screen {
     }
 }
 
-/// Bounds how far rounding in `f32` can move a point of a surface, for one image: the largest errors of its clip
-/// coordinates.
+/// Upper bounds of the errors that rounding to `f32` causes in the clip coordinates of a surface's
+/// points, for one image.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Rounding {
     x: f64,
@@ -81,14 +85,14 @@ pub(crate) struct Rounding {
 impl Rounding {
     /// For control points within ±`extent` that are transformed by `to_clip`.
     pub(crate) fn new(to_clip: &DMat4, extent: f64) -> Self {
-        // Rounded control points, a sum of them and a product with a matrix: a few units in the last
-        // place of the terms' sizes. Measured errors stay below.
+        // Control points are rounded, summed and multiplied by a matrix. The error is a few units in the
+        // last place of the terms' magnitudes; measured errors stay below this estimate.
         let size = DVec4::new(extent, extent, extent, 1.0);
         let error = |row: DVec4| ROUNDING_UNIT * row.abs().dot(size);
         Self { x: error(to_clip.row(0)), y: error(to_clip.row(1)), w: error(to_clip.row(3)) }
     }
 
-    /// In pixels at w = 1.
+    /// The bound as a distance in pixels, for points with w = 1.
     pub(super) fn pixels(&self, screen: &Screen) -> f64 {
         (screen.half * DVec2::new(self.x + self.w, self.y + self.w)).length()
     }
@@ -111,11 +115,12 @@ pub(crate) struct Bound<T = f64> {
     pub(crate) curvature: Curvature<T>,
     /// Upper bound of the rounding error at visible points, in pixels.
     pub(crate) rounding: T,
-    /// Ratio of the depth of the farthest control point to the least visible depth.
+    /// Ratio of the largest clip w of the control points to the least visible one. In a rational patch
+    /// both are multiplied by weights.
     pub(crate) depth_ratio: T,
     /// Diagonal of the patch's possibly visible region on the screen, in pixels.
     pub(crate) extent: T,
-    /// The least clip w of the control points.
+    /// The least clip w of the control points, not multiplied by their weights.
     min_depth: T,
 }
 
@@ -144,21 +149,22 @@ impl<T: Number> Bound<T> {
         all(screen.near).choose_at_most(self.min_depth, [error, across_near])
     }
 
-    /// The numbers of cells along u and v that keep the patch within the tolerance, as far as subdivision can:
-    /// rounding may exceed it. They are infinite if no bound is known.
+    /// The numbers of cells along u and v that keep the patch within the tolerance, unless rounding uses up
+    /// nearly all of it: more cells do not reduce the rounding error. Infinite if no bound is known.
     #[inline(always)]
     pub(crate) fn levels(&self, screen: &Screen) -> [T; 2] {
         let all = |value| T::all(self.rounding.token(), value);
         let tolerance = screen.tolerance;
         let left = all(SHARE * tolerance - SUBPIXEL) - self.rounding;
-        // If rounding uses up the tolerance, more triangles do not help.
+        // If rounding leaves too little, the cells get half of the tolerance.
         let left = all(0.1 * tolerance).choose_at_most(left, [left, all(0.5 * tolerance)]);
         self.curvature.levels(left)
     }
 }
 
 impl<T: Number> Curvature<T> {
-    /// Upper bound of the distance in pixels between the patch and its triangles, with `n` cells a side.
+    /// Upper bound of the distance in pixels between the patch and its triangles, with the given cells
+    /// along u and v and without rounding.
     #[inline(always)]
     pub(crate) fn error(&self, [along_u, along_v]: [T; 2]) -> T {
         let all = |value| T::all(self.uu.token(), value);
@@ -166,29 +172,29 @@ impl<T: Number> Curvature<T> {
         (self.uu * h * h + all(2.0) * self.uv * h * k + self.vv * k * k) * all(0.125)
     }
 
-    /// The least integer levels along u and v whose error is within the tolerance, or above it by at most 10⁻⁹ of it.
-    /// Each is as large as the other one requires. They are floating-point values because they may be arbitrarily
-    /// large.
+    /// Integer levels along u and v whose error is at most 1 + 10⁻⁹ times the tolerance, with nearly the
+    /// fewest cells. The level along v is the least for that along u. They are floating-point values
+    /// because they may be arbitrarily large, or infinite.
     #[inline(always)]
     pub(crate) fn levels(&self, tolerance: T) -> [T; 2] {
         let Self { uu, uv, vv } = *self;
         let all = |value| T::all(uu.token(), value);
         let one = all(1.0);
-        // Levels in the ratio of the square roots of the curvatures need the fewest triangles. If the patch has only
-        // twist, any ratio does. A curvature of zero is replaced by a small value.
+        // Levels in the ratio of the square roots of uu and vv need the fewest triangles. For a patch with
+        // only the mixed derivative any ratio does. Values near zero are replaced, to limit the ratio.
         let twist = all(0.3) * uv.sqrt();
         let (a, b) = (uu.sqrt().larger(twist), vv.sqrt().larger(twist));
-        // With level n along u and n·b/a along v.
+        // The level n along u, if the level along v is n·b/a.
         let ratio = a / b.larger(all(1e-6) * a).larger(all(f64::MIN_POSITIVE));
         let along_u = (uu + all(2.0) * uv * ratio + vv * ratio * ratio) / (all(8.0) * tolerance);
         let along_u = along_u.sqrt().ceil().larger(one);
-        // The tolerance left by rounding up is used in the other direction: vv/8·k² + uv/(4n)·k ≤ rest. A small
-        // margin ensures that the rest stays positive.
+        // The least level 1/k along v for this n: vv/8·k² + uv/(4n)·k ≤ rest, where the rest is the part of
+        // the tolerance that uu leaves. A small margin keeps the rest positive.
         let rest = tolerance * all(1.0 + 5e-10) - uu / (all(8.0) * along_u * along_u);
         let linear = uv / (all(4.0) * along_u);
         let root = (linear * linear + all(0.5) * vv * rest).sqrt();
         let along_v = ((linear + root) / (all(2.0) * rest)).ceil().larger(one);
-        // Use one level where that is enough, and infinitely many where no bound is known.
+        // Level 1 where that is enough, and infinity where no bound is known.
         let (flat, sum) = (self.error([one; 2]), uu + uv + vv);
         let along_u = flat.choose_at_most(tolerance, [one, along_u]);
         let along_v = flat.choose_at_most(tolerance, [one, along_v]);
@@ -209,14 +215,14 @@ mod tests {
     const SIZE: UVec2 = UVec2::new(640, 400);
     const EXACT: Rounding = Rounding { x: 0.0, y: 0.0, w: 0.0 };
 
-    /// As many cases as asked for, where a long run is asked for.
+    /// `long` cases if the environment variable asks for a long run, otherwise 500.
     fn cases(long: u32) -> ProptestConfig {
         let is_long = std::env::var_os("FREEFORM_TEST_LONG").is_some();
         ProptestConfig { cases: if is_long { long } else { 500 }, ..ProptestConfig::default() }
     }
 
     fn points(degree: Degree) -> impl Strategy<Value = Vec<DVec4>> {
-        // Bumps of any roughness, weights up to a thousand apart in a quarter of the cases.
+        // Bumps of random height; in a quarter of the cases, weights that differ by factors up to 1000.
         let weights = prop_oneof![3 => Just(0.0), 1 => 0.0..3.5_f64];
         let numbers = prop::collection::vec(prop::array::uniform4(-1.0..1.0_f64), degree.points());
         (numbers, 0.0..1.0_f64, weights).prop_map(move |(numbers, rough, spread)| {
@@ -245,7 +251,7 @@ mod tests {
         })
     }
 
-    /// The homogeneous point of a patch.
+    /// The homogeneous point of a patch at (u, v).
     fn homogeneous_at(degree: Degree, points: &[DVec4], u: f64, v: f64) -> DVec4 {
         let n = degree.side();
         let weigh = |(i, point): (usize, &DVec4)| {
@@ -255,8 +261,8 @@ mod tests {
         points.iter().enumerate().map(weigh).sum()
     }
 
-    /// The largest distance on the screen at random places of random triangles, each in a box of the
-    /// size of a cell; those places that can be seen.
+    /// The largest distance on the screen between the patch and random triangles in random cells, measured
+    /// at random visible points of the triangles.
     fn measured(
         degree: Degree,
         points: &[DVec4],
@@ -270,7 +276,7 @@ mod tests {
         let mut max = 0.0_f64;
         for numbers in random {
             let cell = [0, 1].map(|i| (numbers[i] * levels[i]).floor().min(levels[i] - 1.0));
-            // Corners of the cell or places on its border: what stitching may use.
+            // Corners of the cell or points of its upper edge, as a driver may connect them.
             let corners = [2, 3, 4].map(|i| {
                 let along = numbers[i] * 4.0;
                 let rest = along.fract();
@@ -351,7 +357,7 @@ mod tests {
         Ok(())
     }
 
-    /// The instruction sets of this processor and of older ones.
+    /// The instruction set of this processor and those of older ones.
     fn processors() -> Vec<Level> {
         let all = Level::new();
         #[cfg(target_arch = "x86_64")]
@@ -365,8 +371,8 @@ mod tests {
         older.into_iter().flatten().chain([all]).collect()
     }
 
-    /// Fails unless all that is told of patches side by side is told of each by itself too, whatever the
-    /// processor can do.
+    /// Fails unless the needs of patches computed in lanes equal those of each patch alone, with every
+    /// instruction set.
     fn check_side_by_side<const N: usize>(
         all: &[Vec<DVec4>],
         to_clip: DMat4,
@@ -381,7 +387,7 @@ mod tests {
                 (!net.is_outside()).then(|| Need::new(net.bound(screen, rounding), screen))
             })
             .collect();
-        // In other places than their own, as if some faced away.
+        // Their places differ from their order, as if patches between them were culled.
         let candidates: Vec<_> = (0..)
             .zip(all)
             .map(|(i, points): (usize, &Vec<DVec4>)| Candidate {
@@ -499,11 +505,11 @@ mod tests {
             (levels, bound.error(levels, &screen))
         };
         assert_eq!(levels(0.0).0, [6.0, 1.0]);
-        // Twice as many for a quarter of the error.
+        // A quarter of the tolerance is left for the cells: twice as many are needed.
         let (finer, error) = levels(0.375);
         assert_eq!(finer, [12.0, 1.0]);
         assert!(error <= 0.5, "{error}");
-        // Where there is nothing left, half of the tolerance.
+        // If too little is left, half of the tolerance is used.
         for much in [0.45, 3.0, f64::INFINITY, f64::NAN] {
             assert_eq!(levels(much).0, [8.0, 1.0], "{much}");
         }
@@ -517,7 +523,7 @@ mod tests {
         assert_eq!(levels(0.0, 0.0, 900.0), [1.0, 15.0]);
         let [u, v] = levels(0.0, 200.0, 0.0);
         assert!(u * v >= 100.0 && u * v <= 132.0, "{u} {v}");
-        // Bent along one direction but for next to nothing.
+        // Curved in one direction, with negligible curvature in the others.
         assert_eq!(levels(399.0, 0.0, 1e-20), [10.0, 1.0]);
         assert_eq!(levels(400.0, 1e-30, 0.0), [10.0, 1.0]);
         assert_eq!(levels(1e-300, 1e-300, 900.0), [1.0, 15.0]);

@@ -159,8 +159,8 @@ pub struct FrameStats {
     /// method computes no bound.
     pub largest_bound: Option<f64>,
     /// The largest bound that is above the tolerance, if any. A limit was then reached: 2¹³ cells along
-    /// a side of a patch, 64 levels for a triangle of a mesh, or the precision of `f32`. Always `None` at
-    /// a fixed level.
+    /// a side of a patch, 64 levels for a triangle of a mesh, or the precision of `f32`. Objects that are
+    /// drawn at a fixed level do not count.
     pub unmet: Option<f64>,
 }
 

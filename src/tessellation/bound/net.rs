@@ -1,4 +1,4 @@
-//! The control points of patches in clip space, and what they tell.
+//! The control points of patches in clip space, and the error bounds that follow from them.
 
 use glam::{DMat4, DVec4};
 
@@ -6,7 +6,7 @@ use super::number::Number;
 use super::{Bound, Curvature, ROUNDING_UNIT, Rounding, Screen};
 use crate::bezier::split;
 
-/// From the space of control points to clip space: the matrix row by row.
+/// The matrix from the space of the control points to clip space, row by row.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ToClip([DVec4; 4]);
 
@@ -19,8 +19,8 @@ impl From<DMat4> for ToClip {
 /// The control points (x, y, z, weight) of a patch of `N` × `N`, row by row.
 pub(crate) type Points<const N: usize> = [[DVec4; N]; N];
 
-/// The control points of a patch of `N` × `N` or of a sub-patch of one in clip space, row by row,
-/// multiplied by their weights; or those of several patches side by side.
+/// The `N` × `N` control points of a patch or sub-patch in clip space, row by row, multiplied by their
+/// weights. If `T` has lanes, those of one patch in each lane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClipNet<const N: usize, T = f64> {
     /// x, y, z, w and the weight.
@@ -30,7 +30,7 @@ pub(crate) struct ClipNet<const N: usize, T = f64> {
 }
 
 impl<const N: usize, T: Number> ClipNet<N, T> {
-    /// Transforms the control points of each lane's patch; all weights are 1 unless it is `rational`.
+    /// Transforms the control points of each lane's patch. Unless `is_rational`, all weights must be 1.
     #[inline(always)]
     pub(crate) fn new<'a>(
         token: T::Token,
@@ -70,8 +70,8 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         self.axes[0][0][0].token()
     }
 
-    /// By how much all control points lie outside of one plane of the view's frustum. Above 0 nothing is
-    /// seen.
+    /// Above 0 if all control points lie outside of one plane of the view frustum, so that nothing of the
+    /// patch is visible.
     #[inline(always)]
     pub(crate) fn outside(&self) -> T {
         let token = self.token();
@@ -89,7 +89,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         max
     }
 
-    /// The least weight, and the least clip w of the points themselves.
+    /// The least weight, and the least clip w not multiplied by the weight.
     #[inline(always)]
     fn least_weight_and_depth(&self) -> [T; 2] {
         let [_, _, _, w, weight] = &self.axes;
@@ -100,7 +100,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         min
     }
 
-    /// Bounds the patches on a screen.
+    /// The error bounds of the patches on a screen.
     #[inline(always)]
     pub(crate) fn bound(&self, screen: &Screen, rounding: &Rounding) -> Bound<T> {
         let token = self.token();
@@ -135,7 +135,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         let width = T::all(token, 2.0 * screen.half.x) * seen.spread[0];
         let height = T::all(token, 2.0 * screen.half.y) * seen.spread[1];
         let extent = (width * width + height * height).sqrt().smaller(diagonal);
-        // Rasterisers interpolate what is divided by w, in `f32`.
+        // Rasterizers interpolate quotients by w, in `f32`.
         let interpolation = T::all(token, ROUNDING_UNIT) * depth_ratio * extent;
         let depth = min_depth.larger(near);
         Bound {
@@ -151,12 +151,12 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         }
     }
 
-    /// The squares of the largest second differences along u, along both and along v, on the screen.
+    /// Upper bounds of the squared second differences on the screen, in pixels: along u, mixed, along v.
     #[inline(always)]
     fn squares(&self, seen: &Seen<T>) -> [T; 3] {
         let zero = T::all(self.token(), 0.0);
         let [x, y, _, w, _] = &self.axes;
-        // About the middle of what is seen, in pixels.
+        // Relative to the middle of the visible range, in pixels.
         let mut points = [[[zero; 3]; N]; N];
         for row in 0..N {
             for column in 0..N {
@@ -197,7 +197,7 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
 }
 
 impl<const N: usize> ClipNet<N> {
-    /// Whether all control points lie outside of one plane of the view's frustum: nothing is seen.
+    /// Whether all control points lie outside of one plane of the view frustum, so that nothing is visible.
     pub(crate) fn is_outside(&self) -> bool {
         self.outside() > 0.0
     }
@@ -237,32 +237,34 @@ impl<const N: usize> ClipNet<N> {
     }
 }
 
-/// What is seen of differences of control points; pairs are of x and y.
+/// The visible ranges of x/w, y/w and w of a patch. They bound the size of a difference (δx, δy, δw) of
+/// control points on the screen. Pairs are for x and y.
 pub(crate) struct Seen<T> {
-    /// Pixels for a unit.
+    /// Pixels per unit of clip x and y, at most.
     px: [T; 2],
     /// The middle of the ranges of x/w and y/w.
     middle: [T; 2],
     /// Half of the ranges' lengths.
     spread: [T; 2],
-    /// The same in pixels for a unit of w.
+    /// The product `px` · `spread`: pixels per unit of w.
     reach: [T; 2],
-    /// The least w that can be seen.
+    /// The least visible clip w; in a rational patch multiplied by the weight.
     nearest: T,
 }
 
 impl Seen<f64> {
-    /// The square of the size on the screen of a difference in clip space, at most.
+    /// Upper bound of the squared size on the screen of a difference in clip space.
     pub(crate) fn squared_in_clip(&self, difference: [f64; 3]) -> f64 {
         self.squared(self.about_middle(difference))
     }
 }
 
 impl<T: Number> Seen<T> {
-    /// For ranges [least, greatest] of x/w and y/w.
+    /// For a patch in front of the near plane, with the least w and the ranges [least, greatest] of x/w
+    /// and y/w of its control points. The ranges are clipped to the screen.
     #[inline(always)]
     pub(crate) fn new(screen: &Screen, min_w: T, ranges: [[T; 2]; 2]) -> Self {
-        // Rounding must not narrow the ranges, nor shorten their halves.
+        // Added to ranges and half lengths, so that rounding cannot make them smaller.
         const WIDER: f64 = 1e-15;
         let token = min_w.token();
         let (wider, one) = (T::all(token, WIDER), T::all(token, 1.0));
@@ -280,7 +282,9 @@ impl<T: Number> Seen<T> {
         Self { px, middle, spread, reach, nearest: min_w }
     }
 
-    /// |ξ_S − ξ_L| ≤ t follows from |δx| + (1 + t)·|δw| ≤ t·w where w is the near plane's.
+    /// For a patch that crosses the near plane, where w is `near`. At visible points of a triangle
+    /// |δx| + (1 + t)·|δw| ≤ t·near implies |ξ_S − ξ_L| ≤ t, with the symbols of the parent module. The
+    /// bound is therefore valid only if it is at most the tolerance.
     #[inline(always)]
     pub(crate) fn across_near(screen: &Screen, near: T) -> Self {
         let token = near.token();
@@ -288,7 +292,7 @@ impl<T: Number> Seen<T> {
         let (mut spread, mut reach) = (px, px);
         for axis in 0..2 {
             let t = std::f64::consts::FRAC_1_SQRT_2 * screen.tolerance / screen.half[axis];
-            // Each axis by itself stays within 1/√2 of the tolerance.
+            // The tolerance divided by √2 for each axis.
             px[axis] = T::all(token, screen.half[axis] * std::f64::consts::SQRT_2) / near;
             spread[axis] = T::all(token, 1.0 + t);
             reach[axis] = px[axis] * spread[axis];
@@ -296,7 +300,7 @@ impl<T: Number> Seen<T> {
         Self { px, middle: [T::all(token, 0.0); 2], spread, reach, nearest: near }
     }
 
-    /// This where the first number is at most the second, and the other where not.
+    /// Chooses `self` in lanes where a ≤ b, and `other` elsewhere.
     #[inline(always)]
     fn choose_if_at_most(&self, [a, b]: [T; 2], other: &Self) -> Self {
         let of = |this: T, other: T| a.choose_at_most(b, [this, other]);
@@ -310,15 +314,14 @@ impl<T: Number> Seen<T> {
         }
     }
 
-    /// A point or a difference of points in clip space, its x and y about the middle of what is seen and in
-    /// pixels.
+    /// A point or a difference of points in clip space, with x and y in pixels relative to the middle of
+    /// the visible range.
     #[inline(always)]
     fn about_middle(&self, [x, y, w]: [T; 3]) -> [T; 3] {
         [(x - self.middle[0] * w) * self.px[0], (y - self.middle[1] * w) * self.px[1], w]
     }
 
-    /// The square of a difference's size on the screen, at most; x and y are about the middle and in
-    /// pixels.
+    /// Upper bound of the squared size on the screen of a difference returned by `about_middle`.
     #[inline(always)]
     fn squared(&self, [x, y, w]: [T; 3]) -> T {
         let w = w.abs();

@@ -1,30 +1,30 @@
-//! Numbers of one patch, or of several that are worked on side by side: as many as the registers hold that
-//! the processor is good at, found out when the program runs.
+//! Numbers for computing one patch at a time (`f64`), or several at once in the lanes of SIMD registers
+//! ([`Lanes`]). The instruction set, and with it the number of lanes, is chosen at run time.
 
 use std::ops::{Add, Div, Mul, Sub};
 
 use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat};
 
-/// The most lanes that any processor has.
+/// The largest number of lanes of any supported instruction set.
 pub(super) const MAX_LANES: usize = 8;
 
-/// A number of each of one or more patches, called lanes. An operation does the same to each lane, and
-/// a lane's bits do not depend on the others, nor on how many there are.
+/// One number for each of one or more patches; the patches are called lanes. An operation does the same
+/// in each lane. The bits of a result do not depend on the other lanes or on the number of lanes.
 pub(crate) trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// What numbers are made with: it tells what the processor can do.
+    /// Needed to make numbers: proof that the processor has the instruction set.
     type Token: Copy;
 
-    /// How many lanes.
+    /// The number of lanes.
     const LANES: usize;
 
     fn token(self) -> Self::Token;
 
-    /// A number for each lane.
+    /// The number `of(lane)` in each lane.
     fn each(token: Self::Token, of: impl Fn(usize) -> f64) -> Self;
 
-    /// One number for all lanes.
+    /// The same number in all lanes.
     fn all(token: Self::Token, value: f64) -> Self;
 
     fn lane(self, lane: usize) -> f64;
@@ -35,14 +35,14 @@ pub(crate) trait Number:
 
     fn ceil(self) -> Self;
 
-    /// The larger of two numbers, and either of them if one is NaN: what processors do in one step.
+    /// The larger of two numbers; either of them if one is NaN. This is a single instruction.
     fn larger(self, other: Self) -> Self;
 
-    /// The smaller, and either if one is NaN.
+    /// The smaller of two numbers; either of them if one is NaN.
     fn smaller(self, other: Self) -> Self;
 
-    /// The first of the two choices where this number is at most the other; the second where it is not or
-    /// one of them is NaN.
+    /// In each lane the first choice if this number is at most the other; the second if it is not, or if
+    /// one of the two is NaN.
     fn choose_at_most(self, other: Self, choices: [Self; 2]) -> Self;
 }
 
@@ -100,9 +100,10 @@ impl Number for f64 {
     }
 }
 
-/// A number of each of as many patches as a register of the processor holds.
+/// One number for each of as many patches as a SIMD register has lanes.
 ///
-/// What is to be fast is inlined up to where the processor was asked, so that it is compiled for it.
+/// All functions that use lanes are inlined into the `dispatch!` that chooses the instruction set, because
+/// only code in there is compiled for it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes<S: Simd>(S::f64s);
 

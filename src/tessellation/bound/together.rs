@@ -1,4 +1,4 @@
-//! Many patches bounded in one go, as many side by side as the processor has room for.
+//! Bounds many patches with one call, as many at once as a SIMD register has lanes.
 
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -6,16 +6,18 @@ use super::net::{ClipNet, Points, ToClip};
 use super::number::{Lanes, MAX_LANES, Number};
 use super::{Bound, Rounding, Screen};
 
-/// How many patches are bounded in one go; asking the processor what it can do must not cost.
+/// The number of patches that are bounded with one call. It is large enough that the time of choosing the
+/// instruction set does not matter.
 pub(crate) const TOGETHER: usize = 64;
 
-/// What a patch needs.
+/// The levels that a patch needs, and the bound that they follow from.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Need<T = f64> {
     pub(crate) bound: Bound<T>,
     /// See [`Bound::levels`].
     pub(crate) levels: [T; 2],
-    /// How far it is off with those, in pixels, if there are finitely many; see [`Bound::error`].
+    /// The error bound with these levels, in pixels, see [`Bound::error`]. Meaningless if they are
+    /// infinite.
     pub(crate) error: T,
 }
 
@@ -43,11 +45,11 @@ pub(crate) struct Candidate<'a, const N: usize> {
     pub(crate) points: &'a Points<N>,
     /// Whether its weights may differ from 1.
     pub(crate) is_rational: bool,
-    /// Where its need is written to.
+    /// The index at which its need is written.
     pub(crate) place: usize,
 }
 
-/// Finds out what patches need; writes nothing for those out of sight.
+/// Computes the needs of patches; writes nothing for those that are out of view.
 pub(crate) fn needs_of<const N: usize>(
     processor: Level,
     patches: &[Candidate<'_, N>],
@@ -72,7 +74,7 @@ fn side_by_side<const N: usize, S: Simd>(
 ) {
     const { assert!(Lanes::<S>::LANES <= MAX_LANES) };
     for patches in patches.chunks(Lanes::<S>::LANES) {
-        // The last one fills what lanes are left.
+        // The last patch also fills unused lanes.
         let last = patches.len() - 1;
         let points: [&Points<N>; MAX_LANES] =
             std::array::from_fn(|lane| patches[lane.min(last)].points);
