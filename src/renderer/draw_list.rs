@@ -24,8 +24,8 @@ use crate::tessellation::{
     SurfacePatches,
 };
 
-/// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need more
-/// sub-patches; the frame should then not have to wait for a new buffer.
+/// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
+/// more sub-patches; the frame should then not have to wait for a new buffer.
 const ROOM_FOR_SUB_PATCHES: usize = 1 << 16;
 /// Texels that the matrices of a surface take.
 const MATRIX_TEXELS: usize = 12;
@@ -65,8 +65,8 @@ impl Vertex for SubPatch {
 /// The properties that all sub-patches of a list share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Batch {
-    /// The first surface of the batch. Its texture, trims and control points' buffer are bound; other
-    /// surfaces of the batch share them.
+    /// The first surface of the batch. Its texture, trims and control points' buffer are bound;
+    /// other surfaces of the batch share them.
     pub(crate) surface: usize,
     pub(crate) degree: Degree,
     pub(crate) shading: Shading,
@@ -150,8 +150,8 @@ impl DrawList {
         FrameStats { draws: self.draws.len(), ..self.plan.stats() }
     }
 
-    /// Takes over the surfaces' revisions. If any changed since the last frame, updates the edges and
-    /// the batches, and returns `false`.
+    /// Takes over the surfaces' revisions. If any changed since the last frame, updates the edges
+    /// and the batches, and returns `false`.
     fn note_revisions(&mut self, surfaces: &[PreparedSurface]) -> bool {
         let now = surfaces.iter().map(PreparedSurface::revision);
         if self.revisions.iter().copied().eq(now.clone()) {
@@ -323,8 +323,8 @@ fn write_changed<T: Pod + PartialEq>(buffer: &Buffer, old: &[T], new: &[T]) {
     }
 }
 
-/// The runs of new values that differ from the old ones. Values beyond the end of the old ones count
-/// as changed.
+/// The runs of new values that differ from the old ones. Values beyond the end of the old ones
+/// count as changed.
 fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Range<usize>> {
     let differs = |i: &usize| old.get(*i) != Some(&new[*i]);
     let mut at = 0;
@@ -336,7 +336,8 @@ fn changed_runs<T: PartialEq>(old: &[T], new: &[T]) -> impl Iterator<Item = Rang
 }
 
 /// The patches in which to look for shared edges. Surfaces are in one group if they have the same
-/// matrix from the driver's control points to world space: the same transform and the same centring.
+/// matrix from the driver's control points to world space: the same transform and the same
+/// centring.
 pub(crate) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> {
     let mut groups: HashMap<[u64; 16], u32> = HashMap::new();
     surfaces
@@ -365,15 +366,15 @@ fn eye_in_model(camera: &ViewProjection, model: &DMat4) -> Eye {
 }
 
 /// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to
-/// clip space, from these to view space, and from the cross product of two tangents to the normal in
-/// view space. The last one is scaled, because only the direction of a normal matters, and is padded
-/// with a zero column.
+/// clip space, from these to view space, and from the cross product of two tangents to the normal
+/// in view space. The last one is scaled, because only the direction of a normal matters, and is
+/// padded with a zero column.
 pub(super) fn matrices(points_to_world: &DMat4, camera: &ViewProjection) -> [Vec4; MATRIX_TEXELS] {
     let to_view = camera.view * *points_to_world;
     let to_clip = camera.for_driver() * to_view;
     let [x, y, z] = [to_view.x_axis, to_view.y_axis, to_view.z_axis].map(DVec4::truncate);
-    // The cross product of transformed tangents is the cofactor matrix times the cross product of the
-    // tangents.
+    // The cross product of transformed tangents is the cofactor matrix times the cross product of
+    // the tangents.
     let cofactors = [y.cross(z), z.cross(x), x.cross(y)];
     let size = cofactors.iter().map(|column| column.abs().max_element()).fold(0.0, f64::max);
     let size = if size > 0.0 { size } else { 1.0 };

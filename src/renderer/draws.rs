@@ -1,5 +1,5 @@
-//! What patches of surfaces and triangles of meshes have in common when they are drawn: the key of a
-//! plan, the division of OpenGL patches into draws, and the loop that makes the draw calls.
+//! What patches of surfaces and triangles of meshes have in common when they are drawn: the key of
+//! a plan, the division of OpenGL patches into draws, and the loop that makes the draw calls.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use glam::UVec2;
@@ -40,8 +40,8 @@ pub(super) struct Draw {
     pub(super) triangles: u64,
 }
 
-/// Divides the patches of a batch into draws of the size that suits the driver. `first` is the index
-/// of the first patch. Draws begin and end with a patch that has vertices.
+/// Divides the patches of a batch into draws of the size that suits the driver. `first` is the
+/// index of the first patch. Draws begin and end with a patch that has vertices.
 pub(super) fn divide<T: Tessellated>(
     patches: &[T],
     first: usize,
@@ -63,9 +63,9 @@ pub(super) fn divide<T: Tessellated>(
 }
 
 impl Renderer {
-    /// Makes the draw calls, for patches of `patch_vertices` vertices. `bind` binds what a batch needs
-    /// and the caller has not bound; it is called at the beginning of each batch. The triangles are
-    /// written to `captured`, if it is given, otherwise to the framebuffer.
+    /// Makes the draw calls, for patches of `patch_vertices` vertices. `bind` binds what a batch
+    /// needs and the caller has not bound; it is called at the beginning of each batch. The
+    /// triangles are written to `captured`, if it is given, otherwise to the framebuffer.
     ///
     /// # Errors
     /// Captured triangles that do not fit the driver's memory.
@@ -88,8 +88,9 @@ impl Renderer {
                 None => None,
             };
             let [first, count] = [draw.first, draw.count].map(|n| (n * patch_vertices) as i32);
-            // SAFETY: the context is current (see the renderer); the range lies within the vertex buffer
-            // that the caller or `bind` has bound, whose size in bytes was checked to fit an i32.
+            // SAFETY: the context is current (see the renderer); the range lies within the vertex
+            // buffer that the caller or `bind` has bound, whose size in bytes was checked to fit an
+            // i32.
             unsafe { self.gl().draw_arrays(glow::PATCHES, first, count) }
             if let (Some(feedback), Some(captured)) = (feedback, captured.as_deref_mut()) {
                 feedback.end(captured);

@@ -29,8 +29,8 @@ impl Frame {
         Self { camera, viewport: viewport.into(), settings }
     }
 
-    /// A frame with a scene's settings and its camera; a scene without a camera gets one that sees all
-    /// of it.
+    /// A frame with a scene's settings and its camera; a scene without a camera gets one that sees
+    /// all of it.
     #[must_use]
     pub fn of(scene: &Scene, viewport: impl Into<Viewport>) -> Self {
         let viewport = viewport.into();

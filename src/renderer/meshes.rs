@@ -1,5 +1,5 @@
-//! Meshes, drawn as OpenGL patches of three vertices. The tessellation stages divide smooth triangles;
-//! flat ones have level 1.
+//! Meshes, drawn as OpenGL patches of three vertices. The tessellation stages divide smooth
+//! triangles; flat ones have level 1.
 
 use std::mem::offset_of;
 use std::rc::Rc;
@@ -101,7 +101,8 @@ pub(crate) struct PreparedMesh {
     /// Control points of all triangles, 10 or 6 each; empty for flat ones.
     nets: Vec<DVec3>,
     key: Option<PlanKey>,
-    /// For each triangle, the level that it needs regardless of its neighbours; 0 if it is out of view.
+    /// For each triangle, the level that it needs regardless of its neighbours; 0 if it is out of
+    /// view.
     needs: Vec<u8>,
     /// For each edge, the largest need of its triangles. Empty if all levels are equal.
     edges: Vec<u8>,
@@ -314,8 +315,8 @@ impl PreparedMesh {
     }
 }
 
-/// The levels of a triangle as `triangles/triangle.tesc` reads them, 8 bits each: those of its three
-/// edges, then that of its inside. All are 0 if it is not drawn.
+/// The levels of a triangle as `triangles/triangle.tesc` reads them, 8 bits each: those of its
+/// three edges, then that of its inside. All are 0 if it is not drawn.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(transparent)]
 struct TriangleLevels(u32);
@@ -341,8 +342,8 @@ impl Tessellated for TriangleLevels {
 }
 
 impl Renderer {
-    /// Draws a mesh with the levels of the last update. `first_patch` is the index of its first triangle
-    /// among all patches of the scene.
+    /// Draws a mesh with the levels of the last update. `first_patch` is the index of its first
+    /// triangle among all patches of the scene.
     ///
     /// # Errors
     /// A shader that the driver rejects, or as [`Renderer::make_draws`].
@@ -373,8 +374,8 @@ impl Renderer {
         program.bind();
         set_depth(&program, frame);
         let columns = matrices(&mesh.points_to_world(), &frame.camera);
-        // The cofactor matrix transforms cross products. If the transform mirrors, it reverses normals;
-        // the sign makes them point outwards again.
+        // The cofactor matrix transforms cross products. If the transform mirrors, it reverses
+        // normals; the sign makes them point outwards again.
         let sign = mesh.model.transform.determinant().signum() as f32;
         set_columns(&program, &columns, sign);
         if let Smoothing::Phong(alpha) = smoothing {

@@ -10,8 +10,9 @@ use crate::programs::{CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACE
 use crate::scene::Shading;
 
 impl Renderer {
-    /// Draws the sub-patches of an up-to-date list: with trim code those that trims may cut, without
-    /// it those that are completely kept. The triangles are written to `captured`, if it is given.
+    /// Draws the sub-patches of an up-to-date list: with trim code those that trims may cut,
+    /// without it those that are completely kept. The triangles are written to `captured`, if it is
+    /// given.
     ///
     /// # Errors
     /// A shader that the driver rejects, or as [`Renderer::make_draws`].

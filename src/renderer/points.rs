@@ -1,5 +1,5 @@
-//! Control points in the driver's memory. They are centred and scaled in `f64`, so that the relative
-//! precision of `f32` does not depend on the position and the size of a model.
+//! Control points in the driver's memory. They are centred and scaled in `f64`, so that the
+//! relative precision of `f32` does not depend on the position and the size of a model.
 
 use std::rc::Rc;
 
@@ -32,8 +32,8 @@ impl LocalFrame {
         DMat4::from_translation(self.center) * DMat4::from_scale(DVec3::splat(self.scale))
     }
 
-    /// A control point (x, y, z, weight) as it is uploaded: centred, scaled and homogeneous, which means
-    /// multiplied by its weight.
+    /// A control point (x, y, z, weight) as it is uploaded: centred, scaled and homogeneous, which
+    /// means multiplied by its weight.
     pub(crate) fn apply(self, point: DVec4) -> Vec4 {
         homogeneous(((point.truncate() - self.center) / self.scale).extend(point.w)).as_vec4()
     }
@@ -51,8 +51,8 @@ pub(crate) struct ControlPoints {
     /// The index of the surface's first point in the buffer.
     first: usize,
     centering: LocalFrame,
-    /// Upper bound of the coordinates' magnitudes after centring and scaling: 1, or more if points were
-    /// moved out of the box.
+    /// Upper bound of the coordinates' magnitudes after centring and scaling: 1, or more if points
+    /// were moved out of the box.
     extent: f64,
     /// The number of moves since the points were last centred or their box was last computed.
     moved: usize,
@@ -96,9 +96,9 @@ impl ControlPoints {
         self.first
     }
 
-    /// Whether the surface's points should be centred again: a point has moved far out of the box, or the
-    /// box has shrunk to a quarter. If there are many points, their box is only computed after as many
-    /// moves.
+    /// Whether the surface's points should be centred again: a point has moved far out of the box,
+    /// or the box has shrunk to a quarter. If there are many points, their box is only computed
+    /// after as many moves.
     pub(crate) fn are_off_center(&mut self, points: &[DVec4]) -> bool {
         const FAR: f64 = 3.0;
         const FEW: usize = 1024;
@@ -121,7 +121,8 @@ impl ControlPoints {
         self.buffer.buffer().write(self.first, &values);
     }
 
-    /// Upper bound of the magnitudes of the uploaded coordinates, before multiplication by the weights.
+    /// Upper bound of the magnitudes of the uploaded coordinates, before multiplication by the
+    /// weights.
     pub(crate) const fn extent(&self) -> f64 {
         self.extent
     }

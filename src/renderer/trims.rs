@@ -89,10 +89,11 @@ impl ExactTrims {
         self.features
     }
 
-    /// The sub-patches for a tolerance, if the trims cut anything; and those of the fixed level that was
-    /// requested last, if there was one.
+    /// The sub-patches for a tolerance, if the trims cut anything; and those of the fixed level
+    /// that was requested last, if there was one.
     pub(crate) fn sub_patches(&mut self) -> (Option<&mut TrimSplits>, Option<&FixedSplit>) {
-        // Without any curves and shapes the answer is the same everywhere: `Keep::Inside` cuts it all.
+        // Without any curves and shapes the answer is the same everywhere: `Keep::Inside` cuts it
+        // all.
         let cuts = self.features.any() || self.grid.cut(Vec2::splat(0.5));
         (
             cuts.then_some(&mut self.sub_patches),

@@ -14,8 +14,8 @@ pub(crate) fn set_lights(program: &Program, frame: &Frame) {
     program.set_vec3(location::LIGHT_POSITION_2, second.as_vec3());
 }
 
-/// Sets the factor from the distance along the view axis to depth, if the fragment stage writes such a
-/// depth ([`ViewProjection::depth_scale`]).
+/// Sets the factor from the distance along the view axis to depth, if the fragment stage writes
+/// such a depth ([`ViewProjection::depth_scale`]).
 pub(crate) fn set_depth(program: &Program, frame: &Frame) {
     if let Some(scale) = frame.camera.depth_scale() {
         program.set_f32(location::DEPTH_SCALE, scale as f32);
@@ -41,8 +41,8 @@ pub(super) fn set_columns(program: &Program, columns: &[Vec4], sign: f32) {
     program.set_mat4(location::NORMAL_TO_VIEW, &(matrix(8) * sign));
 }
 
-/// Sets the matrices of the ported shaders. The origin of their world space is moved to the eye, because
-/// `f32` coordinates of a scene far from the origin would be imprecise.
+/// Sets the matrices of the ported shaders. The origin of their world space is moved to the eye,
+/// because `f32` coordinates of a scene far from the origin would be imprecise.
 pub(crate) fn set_matrices(program: &Program, model: &DMat4, camera: &ViewProjection) {
     let eye = camera.view.inverse().w_axis.truncate();
     let to_eye = DMat4::from_translation(-eye);

@@ -1,20 +1,21 @@
 //! Bounds the screen-space distance between triangles and a patch, from the patch's control points in clip space
 //! (Filip, Magedson, Markot 1986, under perspective and for rational patches).
 //!
-//! Over a triangle whose extent is h₁ along u and h₂ along v, the error of linear interpolation of a
-//! function g is at most ⅛(h₁²·max|g_uu| + 2h₁h₂·max|g_uv| + h₂²·max|g_vv|). For a patch of degree n,
-//! |g_uu| and |g_vv| are at most n(n − 1) times the largest second difference of the control points in
-//! their direction, and |g_uv| is at most n² times the largest mixed difference. The interpolated
-//! quantities are the homogeneous clip coordinates x, y and w; those of a rational patch are not divided
-//! by its weight. For a point S of the surface, the triangle's point L at the same (u, v), ξ = x/w and
-//! δ = S − L,
+//! Over a triangle whose extent is h₁ along u and h₂ along v, the error of linear interpolation of
+//! a function g is at most ⅛(h₁²·max|g_uu| + 2h₁h₂·max|g_uv| + h₂²·max|g_vv|). For a patch of
+//! degree n, |g_uu| and |g_vv| are at most n(n − 1) times the largest second difference of the
+//! control points in their direction, and |g_uv| is at most n² times the largest mixed difference.
+//! The interpolated quantities are the homogeneous clip coordinates x, y and w; those of a rational
+//! patch are not divided by its weight. For a point S of the surface, the triangle's point L at the
+//! same (u, v), ξ = x/w and δ = S − L,
 //!
 //! ```text
 //! ξ_S − ξ_L = (δx − ξ_L·δw) / S_w
 //! ```
 //!
-//! exactly. It is therefore enough to bound |δx − ξ·δw| and |δy − η·δw|, with η = y/w, for all visible ξ
-//! and η. These are convex in ξ and η, so their maxima lie at the ends of the visible ranges.
+//! exactly. It is therefore enough to bound |δx − ξ·δw| and |δy − η·δw|, with η = y/w, for all
+//! visible ξ and η. These are convex in ξ and η, so their maxima lie at the ends of the visible
+//! ranges.
 
 mod net;
 mod number;
@@ -28,14 +29,14 @@ pub(crate) use together::{Candidate, Need, TOGETHER, needs_of};
 
 use crate::camera::ViewProjection;
 
-/// 2⁻²³, twice the largest relative error of rounding to `f32`, which is 2⁻²⁴. The measured error of
-/// evaluating a patch was at most 1.6 · 2⁻²⁴ times the sum of magnitudes in [`Rounding::new`].
+/// 2⁻²³, twice the largest relative error of rounding to `f32`, which is 2⁻²⁴. The measured error
+/// of evaluating a patch was at most 1.6 · 2⁻²⁴ times the sum of magnitudes in [`Rounding::new`].
 const ROUNDING_UNIT: f64 = 1.0 / (1 << 23) as f64;
-/// How far a rasterizer may move a vertex, in pixels: it rounds coordinates to multiples of 1/256, so
-/// √2/512 ≈ 0.0028.
+/// How far a rasterizer may move a vertex, in pixels: it rounds coordinates to multiples of 1/256,
+/// so √2/512 ≈ 0.0028.
 pub(super) const SUBPIXEL: f64 = 0.003;
-/// The share of the tolerance that the levels are computed for. The rest allows for the error of the
-/// tessellator's fixed-point coordinates.
+/// The share of the tolerance that the levels are computed for. The rest allows for the error of
+/// the tessellator's fixed-point coordinates.
 const SHARE: f64 = 0.99;
 
 /// The properties of the image that the bound needs.
@@ -43,8 +44,8 @@ const SHARE: f64 = 0.99;
 pub(crate) struct Screen {
     /// Half of the width and height: the number of pixels per unit of x/w and of y/w.
     half: DVec2,
-    /// The least positive clip w on the near and the far plane, for points of weight 1. Without one, the
-    /// least positive number.
+    /// The least positive clip w on the near and the far plane, for points of weight 1. Without
+    /// one, the `f64::MIN_POSITIVE`.
     near: f64,
     /// Tolerance in pixels.
     tolerance: f64,
@@ -85,8 +86,8 @@ pub(crate) struct Rounding {
 impl Rounding {
     /// For control points within ±`extent` that are transformed by `to_clip`.
     pub(crate) fn new(to_clip: &DMat4, extent: f64) -> Self {
-        // Control points are rounded, summed and multiplied by a matrix. The error is a few units in the
-        // last place of the terms' magnitudes; measured errors stay below this estimate.
+        // Control points are rounded, summed and multiplied by a matrix. The error is a few units
+        // in the last place of the terms' magnitudes; measured errors stay below this estimate.
         let size = DVec4::new(extent, extent, extent, 1.0);
         let error = |row: DVec4| ROUNDING_UNIT * row.abs().dot(size);
         Self { x: error(to_clip.row(0)), y: error(to_clip.row(1)), w: error(to_clip.row(3)) }
@@ -115,8 +116,8 @@ pub(crate) struct Bound<T = f64> {
     pub(crate) curvature: Curvature<T>,
     /// Upper bound of the rounding error at visible points, in pixels.
     pub(crate) rounding: T,
-    /// Ratio of the largest clip w of the control points to the least visible one. In a rational patch
-    /// both are multiplied by weights.
+    /// Ratio of the largest clip w of the control points to the least visible one. In a rational
+    /// patch both are multiplied by weights.
     pub(crate) depth_ratio: T,
     /// Diagonal of the patch's possibly visible region on the screen, in pixels.
     pub(crate) extent: T,
@@ -149,8 +150,9 @@ impl<T: Number> Bound<T> {
         all(screen.near).choose_at_most(self.min_depth, [error, across_near])
     }
 
-    /// The numbers of cells along u and v that keep the patch within the tolerance, unless rounding uses up
-    /// nearly all of it: more cells do not reduce the rounding error. Infinite if no bound is known.
+    /// The numbers of cells along u and v that keep the patch within the tolerance, unless rounding
+    /// uses up nearly all of it: more cells do not reduce the rounding error. Infinite if no bound
+    /// is known.
     #[inline(always)]
     pub(crate) fn levels(&self, screen: &Screen) -> [T; 2] {
         let all = |value| T::all(self.rounding.token(), value);
@@ -163,8 +165,8 @@ impl<T: Number> Bound<T> {
 }
 
 impl<T: Number> Curvature<T> {
-    /// Upper bound of the distance in pixels between the patch and its triangles, with the given cells
-    /// along u and v and without rounding.
+    /// Upper bound of the distance in pixels between the patch and its triangles, with the given
+    /// cells along u and v and without rounding.
     #[inline(always)]
     pub(crate) fn error(&self, [along_u, along_v]: [T; 2]) -> T {
         let all = |value| T::all(self.uu.token(), value);
@@ -172,24 +174,25 @@ impl<T: Number> Curvature<T> {
         (self.uu * h * h + all(2.0) * self.uv * h * k + self.vv * k * k) * all(0.125)
     }
 
-    /// Integer levels along u and v whose error is at most 1 + 10⁻⁹ times the tolerance, with nearly the
-    /// fewest cells. The level along v is the least for that along u. They are floating-point values
-    /// because they may be arbitrarily large, or infinite.
+    /// Integer levels along u and v whose error is at most 1 + 10⁻⁹ times the tolerance, with
+    /// nearly the fewest cells. The level along v is the least for that along u. They are
+    /// floating-point values because they may be arbitrarily large, or infinite.
     #[inline(always)]
     pub(crate) fn levels(&self, tolerance: T) -> [T; 2] {
         let Self { uu, uv, vv } = *self;
         let all = |value| T::all(uu.token(), value);
         let one = all(1.0);
-        // Levels in the ratio of the square roots of uu and vv need the fewest triangles. For a patch with
-        // only the mixed derivative any ratio does. Values near zero are replaced, to limit the ratio.
+        // Levels in the ratio of the square roots of uu and vv need the fewest triangles. For a
+        // patch with only the mixed derivative any ratio does. Values near zero are replaced, to
+        // limit the ratio.
         let twist = all(0.3) * uv.sqrt();
         let (a, b) = (uu.sqrt().larger(twist), vv.sqrt().larger(twist));
         // The level n along u, if the level along v is n·b/a.
         let ratio = a / b.larger(all(1e-6) * a).larger(all(f64::MIN_POSITIVE));
         let along_u = (uu + all(2.0) * uv * ratio + vv * ratio * ratio) / (all(8.0) * tolerance);
         let along_u = along_u.sqrt().ceil().larger(one);
-        // The least level 1/k along v for this n: vv/8·k² + uv/(4n)·k ≤ rest, where the rest is the part of
-        // the tolerance that uu leaves. A small margin keeps the rest positive.
+        // The least level 1/k along v for this n: vv/8·k² + uv/(4n)·k ≤ rest, where the rest is the
+        // part of the tolerance that uu leaves. A small margin keeps the rest positive.
         let rest = tolerance * all(1.0 + 5e-10) - uu / (all(8.0) * along_u * along_u);
         let linear = uv / (all(4.0) * along_u);
         let root = (linear * linear + all(0.5) * vv * rest).sqrt();
@@ -222,7 +225,8 @@ mod tests {
     }
 
     fn points(degree: Degree) -> impl Strategy<Value = Vec<DVec4>> {
-        // Bumps of random height; in a quarter of the cases, weights that differ by factors up to 1000.
+        // Bumps of random height; in a quarter of the cases, weights that differ by factors up to
+        // 1000.
         let weights = prop_oneof![3 => Just(0.0), 1 => 0.0..3.5_f64];
         let numbers = prop::collection::vec(prop::array::uniform4(-1.0..1.0_f64), degree.points());
         (numbers, 0.0..1.0_f64, weights).prop_map(move |(numbers, rough, spread)| {
@@ -261,8 +265,8 @@ mod tests {
         points.iter().enumerate().map(weigh).sum()
     }
 
-    /// The largest distance on the screen between the patch and random triangles in random cells, measured
-    /// at random visible points of the triangles.
+    /// The largest distance on the screen between the patch and random triangles in random cells,
+    /// measured at random visible points of the triangles.
     fn measured(
         degree: Degree,
         points: &[DVec4],
@@ -371,8 +375,8 @@ mod tests {
         older.into_iter().flatten().chain([all]).collect()
     }
 
-    /// Fails unless the needs of patches computed in lanes equal those of each patch alone, with every
-    /// instruction set.
+    /// Fails unless the needs of patches computed in lanes equal those of each patch alone, with
+    /// every instruction set.
     fn check_side_by_side<const N: usize>(
         all: &[Vec<DVec4>],
         to_clip: DMat4,

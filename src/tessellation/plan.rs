@@ -1,18 +1,19 @@
-//! Plans a frame: which sub-patches of which patches are drawn, with how many cells, and in which lists.
+//! Plans a frame: which sub-patches of which patches are drawn, with how many cells, and in which
+//! lists.
 //!
-//! The triangles of a sub-patch form a regular grid of n × m cells, so the bound of `bound.rs` holds for
-//! all of them, however a driver would connect an inside to an edge of another level. An edge has one
-//! level: the largest that the patches at the edge need. If the grid of a patch is finer than an edge
-//! of it, its vertices on the edge move to the positions that the edge's level gives, towards the
-//! middle of the edge, which is where the diagonals of the cells point. All patches at the edge then
-//! have the same vertices there, and no triangle reaches further along the edge than 1/level
-//! (`glsl/exact/surface.tese`). This assumes that a driver divides a patch of equal levels into a
-//! regular grid whose diagonals point to the middle. Direct3D requires it and Mesa does it; OpenGL does
-//! not specify the diagonals.
+//! The triangles of a sub-patch form a regular grid of n × m cells, so the bound of `bound.rs`
+//! holds for all of them, however a driver would connect an inside to an edge of another level. An
+//! edge has one level: the largest that the patches at the edge need. If the grid of a patch is
+//! finer than an edge of it, its vertices on the edge move to the positions that the edge's level
+//! gives, towards the middle of the edge, which is where the diagonals of the cells point. All
+//! patches at the edge then have the same vertices there, and no triangle reaches further along the
+//! edge than 1/level (`glsl/exact/surface.tese`). This assumes that a driver divides a patch of
+//! equal levels into a regular grid whose diagonals point to the middle. Direct3D requires it and
+//! Mesa does it; OpenGL does not specify the diagonals.
 //!
-//! A patch that needs more than 16 cells along a side is drawn as 2ⁱ × 2ʲ sub-patches, each with its
-//! own bound. So are patches that trims cut, and patches that span a large range of depth. The levels of
-//! a patch's edges are multiples of 2ⁱ along u and of 2ʲ along v.
+//! A patch that needs more than 16 cells along a side is drawn as 2ⁱ × 2ʲ sub-patches, each with
+//! its own bound. So are patches that trims cut, and patches that span a large range of depth. The
+//! levels of a patch's edges are multiples of 2ⁱ along u and of 2ʲ along v.
 
 mod splitting;
 #[cfg(test)]
@@ -87,8 +88,8 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
     pub(crate) cones: &'a [NormalCone],
-    /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the surface's matrix
-    /// mirrors, otherwise 1.
+    /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the surface's
+    /// matrix mirrors, otherwise 1.
     pub(crate) back: Option<(Eye, f64)>,
     pub(crate) trims: Option<&'a mut TrimSplits>,
     /// The sub-patches of each patch at the frame's fixed level. Only needed if the frame has one.
@@ -113,8 +114,8 @@ impl SurfacePatches<'_> {
         })
     }
 
-    /// The needs of up to `TOGETHER` patches from `first` on; `None` for those that face away or are out
-    /// of view.
+    /// The needs of up to `TOGETHER` patches from `first` on; `None` for those that face away or
+    /// are out of view.
     fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
         let patches = &self.patches::<N>()[first..];
         let none = Candidate { points: &patches[0], is_rational: false, place: 0 };
@@ -154,13 +155,13 @@ pub struct FrameStats {
     pub triangles: u64,
     /// Number of draw calls.
     pub draws: usize,
-    /// Upper bound of the distance on the screen between the drawn triangles and the surfaces, in pixels.
-    /// Infinite if a patch crosses the near plane and has too few triangles for a bound. The thesis'
-    /// method computes no bound.
+    /// Upper bound of the distance on the screen between the drawn triangles and the surfaces, in
+    /// pixels. Infinite if a patch crosses the near plane and has too few triangles for a bound.
+    /// The thesis' method computes no bound.
     pub largest_bound: Option<f64>,
-    /// The largest bound that is above the tolerance, if any. A limit was then reached: 2¹³ cells along
-    /// a side of a patch, 64 levels for a triangle of a mesh, or the precision of `f32`. Objects that are
-    /// drawn at a fixed level do not count.
+    /// The largest bound that is above the tolerance, if any. A limit was then reached: 2¹³ cells
+    /// along a side of a patch, 64 levels for a triangle of a mesh, or the precision of `f32`.
+    /// Objects that are drawn at a fixed level do not count.
     pub unmet: Option<f64>,
 }
 
@@ -210,14 +211,15 @@ struct Edge {
 }
 
 impl Edge {
-    /// The level, rounded up so that the sub-patches of all patches at the edge have integer levels.
+    /// The level, rounded up so that the sub-patches of all patches at the edge have integer
+    /// levels.
     const fn rounded(self) -> u32 {
         self.level.next_multiple_of(1 << self.depth)
     }
 }
 
-/// The tessellation of a sub-patch: the number of the patch's sub-patches along u and v, its own column
-/// and row, and the levels of its edges.
+/// The tessellation of a sub-patch: the number of the patch's sub-patches along u and v, its own
+/// column and row, and the levels of its edges.
 struct Grid {
     sides: [u32; 2],
     place: [u32; 2],
@@ -231,7 +233,8 @@ pub(crate) struct Plan {
     states: Vec<State>,
     /// For each edge of the table.
     edges: Vec<Edge>,
-    /// Cells along u and v of the sub-patches of split patches, row by row; 0 where nothing is drawn.
+    /// Cells along u and v of the sub-patches of split patches, row by row; 0 where nothing is
+    /// drawn.
     cells: Vec<[u8; 2]>,
     /// Working storage for splitting one patch.
     leaves: Vec<Leaf>,
@@ -334,8 +337,8 @@ impl Plan {
         }
     }
 
-    /// Chooses the tessellation of each patch of a surface regardless of its neighbours, and raises the
-    /// levels of the patches' edges to their needs.
+    /// Chooses the tessellation of each patch of a surface regardless of its neighbours, and raises
+    /// the levels of the patches' edges to their needs.
     fn surface_within<const N: usize>(
         &mut self,
         surface: &mut SurfacePatches<'_>,
@@ -369,8 +372,8 @@ impl Plan {
         self.cells[state.first_cell as usize + (row << state.depth[0]) + column]
     }
 
-    /// Removes the sub-patches that the trims cut away; returns `None` if nothing remains. If the trims
-    /// cut a patch in part and it is large enough on the screen, it is split further first.
+    /// Removes the sub-patches that the trims cut away; returns `None` if nothing remains. If the
+    /// trims cut a patch in part and it is large enough on the screen, it is split further first.
     fn without_cut_sub_patches(
         &mut self,
         state: State,
@@ -473,8 +476,8 @@ impl Plan {
             lists[kind]
         };
         if state.depth == [0; 2] {
-            // Nearly all patches are unsplit. Handling them separately reduces the time of planning by a
-            // sixth.
+            // Nearly all patches are unsplit. Handling them separately reduces the time of planning
+            // by a sixth.
             let cut = surface.trims.as_deref_mut().map(|trims| trims.cuts([0; 2])[0]);
             let grid = Grid { sides, place: [0; 2], edges: borders };
             self.push(surface, patch, list_of(cut), &grid);

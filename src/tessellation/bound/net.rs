@@ -19,8 +19,8 @@ impl From<DMat4> for ToClip {
 /// The control points (x, y, z, weight) of a patch of `N` × `N`, row by row.
 pub(crate) type Points<const N: usize> = [[DVec4; N]; N];
 
-/// The `N` × `N` control points of a patch or sub-patch in clip space, row by row, multiplied by their
-/// weights. If `T` has lanes, those of one patch in each lane.
+/// The `N` × `N` control points of a patch or sub-patch in clip space, row by row, multiplied by
+/// their weights. If `T` has lanes, those of one patch in each lane.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ClipNet<const N: usize, T = f64> {
     /// x, y, z, w and the weight.
@@ -30,7 +30,8 @@ pub(crate) struct ClipNet<const N: usize, T = f64> {
 }
 
 impl<const N: usize, T: Number> ClipNet<N, T> {
-    /// Transforms the control points of each lane's patch. Unless `is_rational`, all weights must be 1.
+    /// Transforms the control points of each lane's patch. Unless `is_rational`, all weights must
+    /// be 1.
     #[inline(always)]
     pub(crate) fn new<'a>(
         token: T::Token,
@@ -70,8 +71,8 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         self.axes[0][0][0].token()
     }
 
-    /// Above 0 if all control points lie outside of one plane of the view frustum, so that nothing of the
-    /// patch is visible.
+    /// Above 0 if all control points lie outside of one plane of the view frustum, so that nothing
+    /// of the patch is visible.
     #[inline(always)]
     pub(crate) fn outside(&self) -> T {
         let token = self.token();
@@ -151,7 +152,8 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
         }
     }
 
-    /// Upper bounds of the squared second differences on the screen, in pixels: along u, mixed, along v.
+    /// Upper bounds of the squared second differences on the screen, in pixels: along u, mixed,
+    /// along v.
     #[inline(always)]
     fn squares(&self, seen: &Seen<T>) -> [T; 3] {
         let zero = T::all(self.token(), 0.0);
@@ -197,7 +199,8 @@ impl<const N: usize, T: Number> ClipNet<N, T> {
 }
 
 impl<const N: usize> ClipNet<N> {
-    /// Whether all control points lie outside of one plane of the view frustum, so that nothing is visible.
+    /// Whether all control points lie outside of one plane of the view frustum, so that nothing is
+    /// visible.
     pub(crate) fn is_outside(&self) -> bool {
         self.outside() > 0.0
     }
@@ -237,8 +240,8 @@ impl<const N: usize> ClipNet<N> {
     }
 }
 
-/// The visible ranges of x/w, y/w and w of a patch. They bound the size of a difference (δx, δy, δw) of
-/// control points on the screen. Pairs are for x and y.
+/// The visible ranges of x/w, y/w and w of a patch. They bound the size of a difference (δx, δy,
+/// δw) of control points on the screen. Pairs are for x and y.
 pub(crate) struct Seen<T> {
     /// Pixels per unit of clip x and y, at most.
     px: [T; 2],
@@ -260,8 +263,8 @@ impl Seen<f64> {
 }
 
 impl<T: Number> Seen<T> {
-    /// For a patch in front of the near plane, with the least w and the ranges [least, greatest] of x/w
-    /// and y/w of its control points. The ranges are clipped to the screen.
+    /// For a patch in front of the near plane, with the least w and the ranges [least, greatest] of
+    /// x/w and y/w of its control points. The ranges are clipped to the screen.
     #[inline(always)]
     pub(crate) fn new(screen: &Screen, min_w: T, ranges: [[T; 2]; 2]) -> Self {
         // Added to ranges and half lengths, so that rounding cannot make them smaller.
@@ -283,8 +286,8 @@ impl<T: Number> Seen<T> {
     }
 
     /// For a patch that crosses the near plane, where w is `near`. At visible points of a triangle
-    /// |δx| + (1 + t)·|δw| ≤ t·near implies |ξ_S − ξ_L| ≤ t, with the symbols of the parent module. The
-    /// bound is therefore valid only if it is at most the tolerance.
+    /// |δx| + (1 + t)·|δw| ≤ t·near implies |ξ_S − ξ_L| ≤ t, with the symbols of the parent module.
+    /// The bound is therefore valid only if it is at most the tolerance.
     #[inline(always)]
     pub(crate) fn across_near(screen: &Screen, near: T) -> Self {
         let token = near.token();
@@ -314,8 +317,8 @@ impl<T: Number> Seen<T> {
         }
     }
 
-    /// A point or a difference of points in clip space, with x and y in pixels relative to the middle of
-    /// the visible range.
+    /// A point or a difference of points in clip space, with x and y in pixels relative to the
+    /// middle of the visible range.
     #[inline(always)]
     fn about_middle(&self, [x, y, w]: [T; 3]) -> [T; 3] {
         [(x - self.middle[0] * w) * self.px[0], (y - self.middle[1] * w) * self.px[1], w]

@@ -1,5 +1,6 @@
-//! Numbers for computing one patch at a time (`f64`), or several at once in the lanes of SIMD registers
-//! ([`Lanes`]). The instruction set, and with it the number of lanes, is chosen at run time.
+//! Numbers for computing one patch at a time (`f64`), or several at once in the lanes of SIMD
+//! registers ([`Lanes`]). The instruction set, and with it the number of lanes, is chosen at run
+//! time.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -8,8 +9,9 @@ use fearless_simd::{ExtractToken, Select, Simd, SimdBase, SimdFloat};
 /// The largest number of lanes of any supported instruction set.
 pub(super) const MAX_LANES: usize = 8;
 
-/// One number for each of one or more patches; the patches are called lanes. An operation does the same
-/// in each lane. The bits of a result do not depend on the other lanes or on the number of lanes.
+/// One number for each of one or more patches; the patches are called lanes. An operation does the
+/// same in each lane. The bits of a result do not depend on the other lanes or on the number of
+/// lanes.
 pub(crate) trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
@@ -41,8 +43,8 @@ pub(crate) trait Number:
     /// The smaller of two numbers; either of them if one is NaN.
     fn smaller(self, other: Self) -> Self;
 
-    /// In each lane the first choice if this number is at most the other; the second if it is not, or if
-    /// one of the two is NaN.
+    /// In each lane the first choice if this number is at most the other; the second if it is not,
+    /// or if one of the two is NaN.
     fn choose_at_most(self, other: Self, choices: [Self; 2]) -> Self;
 }
 
@@ -102,8 +104,8 @@ impl Number for f64 {
 
 /// One number for each of as many patches as a SIMD register has lanes.
 ///
-/// All functions that use lanes are inlined into the `dispatch!` that chooses the instruction set, because
-/// only code in there is compiled for it.
+/// All functions that use lanes are inlined into the `dispatch!` that chooses the instruction set,
+/// because only code in there is compiled for it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lanes<S: Simd>(S::f64s);
 

@@ -6,8 +6,8 @@ use super::net::{ClipNet, Points, ToClip};
 use super::number::{Lanes, MAX_LANES, Number};
 use super::{Bound, Rounding, Screen};
 
-/// The number of patches that are bounded with one call. It is large enough that the time of choosing the
-/// instruction set does not matter.
+/// The number of patches that are bounded with one call. It is large enough that the time of
+/// choosing the instruction set does not matter.
 pub(crate) const TOGETHER: usize = 64;
 
 /// The levels that a patch needs, and the bound that they follow from.

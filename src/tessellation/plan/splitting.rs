@@ -43,8 +43,8 @@ impl Plan {
         State { extent, ..self.gather() }
     }
 
-    /// The numbers of cells that a sub-patch is drawn with: its need, limited to what OpenGL supports.
-    /// The bound of the error goes into the statistics.
+    /// The numbers of cells that a sub-patch is drawn with: its need, limited to what OpenGL
+    /// supports. The bound of the error goes into the statistics.
     #[inline]
     fn settle<const N: usize>(
         &mut self,
@@ -65,8 +65,8 @@ impl Plan {
         cells.map(|cells| cells as u8)
     }
 
-    /// Halves a sub-patch until its parts need few cells or are out of view, and appends these to the
-    /// leaves.
+    /// Halves a sub-patch until its parts need few cells or are out of view, and appends these to
+    /// the leaves.
     fn halve<const N: usize>(
         &mut self,
         net: &ClipNet<N>,
@@ -105,8 +105,9 @@ impl Plan {
         }
     }
 
-    /// Distributes the leaves over a regular grid of sub-patches, which is as fine as the deepest visible
-    /// leaf in each direction. A larger leaf is divided into several sub-patches, and so are its cells.
+    /// Distributes the leaves over a regular grid of sub-patches, which is as fine as the deepest
+    /// visible leaf in each direction. A larger leaf is divided into several sub-patches, and so
+    /// are its cells.
     fn gather(&mut self) -> State {
         let seen = || self.leaves.iter().filter(|leaf| leaf.cells.is_some());
         let max = |axis: usize| seen().map(|leaf| leaf.depth[axis]).max();
@@ -152,9 +153,9 @@ impl Plan {
     }
 }
 
-/// Upper bound of the error of a sub-patch with the given cells. If the bound of the whole sub-patch is
-/// above the tolerance, the largest bound of its quarters is used, recursively up to `deeper` times: it
-/// may be lower, because quarters that are out of view do not count.
+/// Upper bound of the error of a sub-patch with the given cells. If the bound of the whole
+/// sub-patch is above the tolerance, the largest bound of its quarters is used, recursively up to
+/// `deeper` times: it may be lower, because quarters that are out of view do not count.
 fn left_over<const N: usize>(
     net: &ClipNet<N>,
     bound: &Bound,
@@ -181,8 +182,8 @@ fn left_over<const N: usize>(
         .fold(0.0, f64::max)
 }
 
-/// Whether the bound of a sub-patch's rounding error is considerable and its range of depth large. Its
-/// parts then have smaller bounds.
+/// Whether the bound of a sub-patch's rounding error is considerable and its range of depth large.
+/// Its parts then have smaller bounds.
 fn is_too_deep(bound: &Bound, screen: &Screen) -> bool {
     bound.rounding > 0.1 * screen.tolerance() && bound.depth_ratio > 2.0
 }

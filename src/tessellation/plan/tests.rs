@@ -3,8 +3,8 @@ use crate::camera::{Camera, Lens};
 use crate::scene::Surface;
 use glam::{DMat4, DVec3, UVec2, dvec3};
 
-/// A row of patches along x with increasing curvature. Every third one is back-facing. The ends of a long
-/// row are out of view.
+/// A row of patches along x with increasing curvature. Every third one is back-facing. The ends of
+/// a long row are out of view.
 fn row(patches: usize) -> Surface {
     let points = (0..patches).flat_map(|patch| {
         (0..16).map(move |i| {
