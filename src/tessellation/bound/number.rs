@@ -11,7 +11,7 @@ pub(super) const MAX_LANES: usize = 8;
 
 /// One number for each of one or more patches; the patches are called lanes. An operation does the
 /// same in each lane. The bits of a result do not depend on the other lanes or on the number of
-/// lanes.
+/// lanes, except where [`Number::larger`] or [`Number::smaller`] compares NaN or zeros of two signs.
 pub(crate) trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
