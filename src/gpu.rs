@@ -63,8 +63,9 @@ pub(crate) fn samples_of_target(gl: &glow::Context) -> u32 {
     u32::try_from(samples).unwrap_or(0).max(1)
 }
 
-/// Resets the pixel transfer state, so that pixels are read and written row by row without gaps. With
-/// other values, set by the library's caller, the driver would access memory outside the slice.
+/// Resets the pixel transfer state, so that pixels are read and written row by row without gaps.
+/// With other values, set by the library's caller, the driver would access memory outside the
+/// slice.
 fn transfer_plainly(gl: &glow::Context) {
     // SAFETY: the context is current (see the module); OpenGL 4.5 has all parameters.
     unsafe {

@@ -59,8 +59,8 @@ enum Owner {
 /// An OpenGL 4.5 core context. [`Headless::new`] makes it current on the calling thread.
 ///
 /// A thread with several contexts switches between them with [`Headless::make_current`]. An object
-/// must be used and dropped while its own context is current. Dropping a `Headless` makes its context
-/// current. The context is destroyed with its last object, and then no context is current.
+/// must be used and dropped while its own context is current. Dropping a `Headless` makes its
+/// context current. The context is destroyed with its last object, and then no context is current.
 pub struct Headless {
     gl: Gl,
     debug_log: DebugLog,
@@ -167,8 +167,8 @@ impl Headless {
 
 impl Drop for Headless {
     fn drop(&mut self) {
-        // Objects of this context that are dropped right after it are then deleted in this context, and
-        // not in another one that was current.
+        // Objects of this context that are dropped right after it are then deleted in this context,
+        // and not in another one that was current.
         if let Err(error) = self.make_current() {
             log::debug!("a context is dropped without being current: {error}");
         }

@@ -1,5 +1,5 @@
-//! Internals for tests, benchmarks and `freeform report`: the reference renderer in `f64`, measurements
-//! of pictures, and the components of the renderer.
+//! Internals for tests, benchmarks and `freeform report`: the reference renderer in `f64`,
+//! measurements of pictures, and the components of the renderer.
 //!
 //! Only with the feature `inspect`. Its content may change with any version.
 

@@ -2,8 +2,8 @@
 //! calls.
 //!
 //! A program is assembled from files of `glsl/`, according to the properties of a surface. For
-//! example, a surface without trims gets no trim code. `glsl/README.md` lists the names, locations and
-//! bindings.
+//! example, a surface without trims gets no trim code. `glsl/README.md` lists the names, locations
+//! and bindings.
 
 mod recipes;
 
@@ -140,8 +140,8 @@ pub enum Pipeline {
 }
 
 impl Pipeline {
-    /// The pipeline of a ported method: the report's for unlit 5×5 patches, which are all that it can
-    /// draw, and the thesis' for all others.
+    /// The pipeline of a ported method: the report's for unlit 5×5 patches, which are all that it
+    /// can draw, and the thesis' for all others.
     #[must_use]
     pub const fn ported(degree: Degree, shading: Shading) -> Self {
         match (degree, shading) {
@@ -151,8 +151,8 @@ impl Pipeline {
     }
 }
 
-/// The kinds of trims that are compiled in. The thesis' and the report's programs use the fields up to
-/// `nested_cubics`, the exact method the others.
+/// The kinds of trims that are compiled in. The thesis' and the report's programs use the fields up
+/// to `nested_cubics`, the exact method the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct TrimFeatures {
     /// Circles (`circBool`).
@@ -263,8 +263,8 @@ pub struct ProgramKey {
     pub output: Output,
     /// Whether fragments are discarded where the texture's alpha is below 0.5.
     pub cut_out: bool,
-    /// Whether the fragment stage writes the distance along the view axis, divided by the far plane's
-    /// distance, as depth ([`location::DEPTH_SCALE`]).
+    /// Whether the fragment stage writes the distance along the view axis, divided by the far
+    /// plane's distance, as depth ([`location::DEPTH_SCALE`]).
     pub far_depth: bool,
 }
 
@@ -280,7 +280,8 @@ pub enum Output {
     Triangles,
 }
 
-/// The shader outputs that transform feedback captures, in the order of the fields of `DrawnVertex`.
+/// The shader outputs that transform feedback captures, in the order of the fields of
+/// `DrawnVertex`.
 const KEPT: [&str; 5] = ["gl_Position", "position", "passNormal", "passTessCoord", "passPatch"];
 
 macro_rules! glsl {
@@ -325,8 +326,8 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Replaces all occurrences of `old` by `new` in a file: for experiments, and for tests that must
-    /// notice a wrong shader.
+    /// Replaces all occurrences of `old` by `new` in a file: for experiments, and for tests that
+    /// must notice a wrong shader.
     ///
     /// # Panics
     /// If `glsl/` has no such file, or the file does not contain `old`.

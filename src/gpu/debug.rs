@@ -36,8 +36,8 @@ impl DebugLog {
         log
     }
 
-    /// Runs `work` without debug messages, so that they take no time and are not recorded. Clears the
-    /// OpenGL errors of `work`, and leaves debug output switched on.
+    /// Runs `work` without debug messages, so that they take no time and are not recorded. Clears
+    /// the OpenGL errors of `work`, and leaves debug output switched on.
     pub fn unheard<T>(gl: &glow::Context, work: impl FnOnce() -> T) -> T {
         // SAFETY: the context is current (see the module).
         unsafe {

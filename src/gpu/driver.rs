@@ -88,8 +88,8 @@ impl DriverInfo {
     }
 
     /// The limits that the library relies on, with the minimum that it needs. OpenGL 4.5 guarantees
-    /// all of them (tables of implementation-dependent values in the specification), so only a faulty
-    /// driver has less.
+    /// all of them (tables of implementation-dependent values in the specification), so only a
+    /// faulty driver has less.
     #[must_use]
     pub fn needs(&self) -> [Need; 5] {
         let need = |what, limit, needed| Need { what, limit, needed };
@@ -97,7 +97,8 @@ impl DriverInfo {
             // A 5×5 patch of the thesis' method.
             need("patch vertices", self.max_patch_vertices, 25),
             need("tessellation level", self.max_tess_level, 64),
-            // 25 homogeneous control points, two uvec4 that describe the sub-patch, and two lengths.
+            // 25 homogeneous control points, two uvec4 that describe the sub-patch, and two
+            // lengths.
             need("numbers of a patch", self.max_patch_components, 110),
             need("texels of a buffer", self.max_texel_buffer, 65_536),
             need("storage blocks in the fragment stage", self.max_fragment_storage_blocks, 2),

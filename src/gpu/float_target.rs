@@ -6,8 +6,8 @@ use super::framebuffer::Renderbuffer;
 use super::{DriverInfo, Gl, checked_size, create, transfer_plainly};
 use crate::error::{Error, Result};
 
-/// A framebuffer object with several colour attachments of four 32-bit floats per pixel, and a 32-bit
-/// depth attachment.
+/// A framebuffer object with several colour attachments of four 32-bit floats per pixel, and a
+/// 32-bit depth attachment.
 pub struct FloatTarget {
     gl: Gl,
     raw: glow::Framebuffer,
@@ -28,8 +28,8 @@ impl std::fmt::Debug for FloatTarget {
 }
 
 impl FloatTarget {
-    /// Creates a target of the given size with `pictures` single-sample colour attachments. It is not
-    /// bound.
+    /// Creates a target of the given size with `pictures` single-sample colour attachments. It is
+    /// not bound.
     ///
     /// # Errors
     /// A width or height of 0 or beyond the driver's limit, or no memory.
@@ -67,8 +67,8 @@ impl FloatTarget {
         }
     }
 
-    /// Binds the framebuffer, sets the viewport to its size, and clears it to zeros and depth 1. Leaves
-    /// rasterizer discard off and depth writes on.
+    /// Binds the framebuffer, sets the viewport to its size, and clears it to zeros and depth 1.
+    /// Leaves rasterizer discard off and depth writes on.
     pub fn bind_cleared(&self) {
         // SAFETY: the context is current (see the module); the sizes fitted an i32 in `new`.
         unsafe {

@@ -136,8 +136,8 @@ impl Framebuffer {
         }
     }
 
-    /// Replaces the pixels by those of an image of the same size. The framebuffer must have one sample
-    /// per pixel.
+    /// Replaces the pixels by those of an image of the same size. The framebuffer must have one
+    /// sample per pixel.
     ///
     /// # Errors
     /// No memory for a copy of the image.
@@ -189,8 +189,8 @@ impl Framebuffer {
         }
     }
 
-    /// The pixels, each the average of its samples, rows from top to bottom. Leaves a framebuffer bound
-    /// for reading.
+    /// The pixels, each the average of its samples, rows from top to bottom. Leaves a framebuffer
+    /// bound for reading.
     #[must_use]
     pub fn read(&self) -> Image {
         let (width, height) = (self.width as i32, self.height as i32);

@@ -1,4 +1,5 @@
-//! Shader programs assembled from GLSL files, with errors that name the stage, the file and the line.
+//! Shader programs assembled from GLSL files, with errors that name the stage, the file and the
+//! line.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -93,12 +94,12 @@ impl Drop for Shader<'_> {
 
 impl Program {
     /// Compiles the stages and links them. `defines` are names and values of `#define` lines at the
-    /// beginning of every stage. `kept` are the outputs of the last stage before the fragment stage that
-    /// transform feedback captures.
+    /// beginning of every stage. `kept` are the outputs of the last stage before the fragment stage
+    /// that transform feedback captures.
     ///
     /// # Errors
-    /// A stage does not compile; the error names its files and has the driver's log. Or the stages do
-    /// not link.
+    /// A stage does not compile; the error names its files and has the driver's log. Or the stages
+    /// do not link.
     pub fn new(
         gl: &Gl,
         label: &str,
@@ -258,9 +259,9 @@ fn compile<'a>(
     }
 }
 
-/// The lines of the file with index i are numbered from i times this, plus 1. The file could also be
-/// identified by the source string number that `#line` can set, but not all drivers print that in
-/// their logs.
+/// The lines of the file with index i are numbered from i times this, plus 1. The file could also
+/// be identified by the source string number that `#line` can set, but not all drivers print that
+/// in their logs.
 const LINES_PER_PART: usize = 10_000;
 
 /// The source of a stage: version, defines, then the files, each after a `#line` that sets its line
@@ -278,8 +279,9 @@ fn assemble(defines: &[(&str, u32)], parts: &[ShaderPart]) -> String {
     source
 }
 
-/// Replaces source string and line numbers in a driver's log by the name of the file and its own line
-/// numbers. Drivers begin the lines of their logs with these numbers, as `0:12(5):` or `0(12) :`.
+/// Replaces source string and line numbers in a driver's log by the name of the file and its own
+/// line numbers. Drivers begin the lines of their logs with these numbers, as `0:12(5):` or `0(12)
+/// :`.
 fn with_file_names(log: &str, parts: &[ShaderPart]) -> String {
     let named = |line: &str| {
         let number = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();

@@ -8,8 +8,9 @@ use super::Gl;
 use super::create;
 use crate::error::Result;
 
-/// Two timestamp queries, between which the device's time is measured. (Not a `GL_TIME_ELAPSED` query:
-/// for that, Mesa's software driver returns the reading of its clock instead of a difference.)
+/// Two timestamp queries, between which the device's time is measured. (Not a `GL_TIME_ELAPSED`
+/// query: for that, Mesa's software driver returns the reading of its clock instead of a
+/// difference.)
 pub struct Timer {
     gl: Gl,
     moments: [glow::Query; 2],

@@ -20,8 +20,8 @@ pub(super) struct Context {
 }
 
 impl Context {
-    /// A context on the first device that gives a 4.5 core context; hardware devices are tried before
-    /// software ones.
+    /// A context on the first device that gives a 4.5 core context; hardware devices are tried
+    /// before software ones.
     pub(super) fn new() -> Result<(Self, glow::Context), String> {
         let mut devices: Vec<Device> =
             Device::query_devices().map_err(|error| format!("EGL: {error}"))?.collect();

@@ -10,8 +10,8 @@ use crate::tessellation::FrameStats;
 
 /// A headless context with a renderer and a framebuffer, which draws pictures.
 ///
-/// [`Offscreen::render`] draws a scene. Everything else is done with the parts, which the other methods
-/// return. As for every object, the context must be current when this is used or dropped.
+/// [`Offscreen::render`] draws a scene. Everything else is done with the parts, which the other
+/// methods return. As for every object, the context must be current when this is used or dropped.
 #[derive(Debug)]
 pub struct Offscreen {
     target: Framebuffer,
@@ -22,8 +22,8 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// For pictures of the given width and height in pixels, in a context from EGL or, if EGL gives none,
-    /// from OSMesa.
+    /// For pictures of the given width and height in pixels, in a context from EGL or, if EGL gives
+    /// none, from OSMesa.
     ///
     /// # Errors
     /// As [`Headless::new`] and [`Framebuffer::new`].
@@ -65,9 +65,9 @@ impl Offscreen {
         Ok((image, prepared.stats()))
     }
 
-    /// The picture of a frame. It has the size of the target, whatever the frame's viewport is. If the
-    /// frame needs more samples per pixel than the driver supports, the scene is drawn once for each
-    /// sample. `progress` is called with the number of finished passes and the total.
+    /// The picture of a frame. It has the size of the target, whatever the frame's viewport is. If
+    /// the frame needs more samples per pixel than the driver supports, the scene is drawn once for
+    /// each sample. `progress` is called with the number of finished passes and the total.
     ///
     /// # Errors
     /// As [`PreparedScene::picture`], or the driver reports an error.
@@ -100,8 +100,8 @@ impl Offscreen {
         Ok(())
     }
 
-    /// Fails if the driver has reported errors since they were last taken from the log. `what` names
-    /// the operation, for the message.
+    /// Fails if the driver has reported errors since they were last taken from the log. `what`
+    /// names the operation, for the message.
     ///
     /// # Errors
     /// [`Error::Driver`] with all reported errors.
@@ -113,8 +113,8 @@ impl Offscreen {
         Err(Error::Driver { what: what(), reason: complaints.join("; ") })
     }
 
-    /// The framebuffer. It was made for the number of samples of the last picture, and has one sample
-    /// per pixel if the driver does not support that number.
+    /// The framebuffer. It was made for the number of samples of the last picture, and has one
+    /// sample per pixel if the driver does not support that number.
     #[must_use]
     pub const fn target(&self) -> &Framebuffer {
         &self.target

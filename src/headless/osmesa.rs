@@ -1,5 +1,5 @@
-//! Contexts from OSMesa, Mesa's off-screen library. It is loaded at run time, because few machines have
-//! it, and it is not needed where EGL works.
+//! Contexts from OSMesa, Mesa's off-screen library. It is loaded at run time, because few machines
+//! have it, and it is not needed where EGL works.
 
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
