@@ -1,8 +1,9 @@
-//! OpenGL objects, each with one owner that frees it and a label that a debugger shows.
+//! OpenGL objects, each with one owner that deletes it. Most have a label, which graphics debuggers
+//! show.
 //!
-//! Every call here needs the context that made the object to be current on the calling thread. The caller who hands a
-//! context to [`Gl::new`] promises that; every object holds the handle, which stays on its thread. This room, the
-//! renderer and the headless contexts are the only places with `unsafe`.
+//! Every call in this module requires the context that created the object to be current on the
+//! calling thread. The caller of [`Gl::new`] guarantees this. Every object holds a [`Gl`], which is
+//! not `Send`, so no object leaves its thread.
 #![allow(unsafe_code, reason = "every call of OpenGL is unsafe in glow")]
 
 mod buffer;
@@ -35,34 +36,38 @@ pub(crate) use vertex_array::{Attribute, Vertex, VertexArray};
 use crate::error::{Error, Result};
 use crate::tessellation::DrawSize;
 
-/// How large draws of parts the driver likes.
+/// The draw size that suits the driver.
 pub(crate) fn draw_size(gl: &glow::Context) -> DrawSize {
     // SAFETY: the context is current (see the module).
     let renderer = unsafe { gl.get_parameter_string(glow::RENDERER) };
     if renderer.contains("llvmpipe") { DrawSize::Small } else { DrawSize::Large }
 }
 
-/// Has the process keep the memory that a software driver asks for and gives back with every draw, where
-/// the system's allocator can be told so: else each frame of Mesa's takes it from the system anew, page by
-/// page, for a tenth of the frame's time. GNU's allocator keeps up to twice the largest block that it ever
-/// saw go; this one is never touched, and so costs nothing itself.
+/// On llvmpipe, makes glibc's allocator keep the memory that the driver allocates and frees with
+/// every draw. Otherwise each frame requests this memory from the system again, page by page, which
+/// takes a tenth of the frame's time.
+///
+/// When glibc frees a large block, it raises its trim threshold to twice the size of the block. The
+/// block here is never written to, so the system reserves no pages for it. Other allocators may
+/// ignore this.
 pub(crate) fn keep_memory(gl: &glow::Context) {
     if let DrawSize::Small = draw_size(gl) {
         drop(std::hint::black_box(Vec::<u8>::with_capacity(16 << 20)));
     }
 }
 
-/// Samples of each pixel of the bound framebuffer, at least 1.
+/// The number of samples per pixel of the bound framebuffer, at least 1.
 pub(crate) fn samples_of_target(gl: &glow::Context) -> u32 {
     // SAFETY: the context is current (see the module).
     let samples = unsafe { gl.get_parameter_i32(glow::SAMPLES) };
     u32::try_from(samples).unwrap_or(0).max(1)
 }
 
-/// Makes pixels go to and from memory row by row without gaps, whatever the caller of the library
-/// had set: other settings would have the driver read and write beyond the pixels.
+/// Resets the pixel transfer state, so that pixels are read and written row by row without gaps.
+/// With other values, set by the library's caller, the driver would access memory outside the
+/// slice.
 fn transfer_plainly(gl: &glow::Context) {
-    // SAFETY: the context is current (see the module); the parameters exist since OpenGL 4.5.
+    // SAFETY: the context is current (see the module); OpenGL 4.5 has all parameters.
     unsafe {
         gl.bind_buffer(glow::PIXEL_PACK_BUFFER, None);
         gl.bind_buffer(glow::PIXEL_UNPACK_BUFFER, None);
@@ -83,11 +88,12 @@ fn transfer_plainly(gl: &glow::Context) {
     }
 }
 
-/// An error if the driver has run out of memory since OpenGL's errors were last asked for: the object that
-/// was just given its size has none. Drivers raise it at once or never.
+/// Fails if `glGetError` reports that the driver has run out of memory. Called right after the
+/// allocation of the object `what`, to which the error is attributed. Clears all pending OpenGL
+/// errors.
 fn check_memory(gl: &glow::Context, what: &str, bytes: u64) -> Result<()> {
     let mut out_of_memory = false;
-    // A lost context may say so for ever; there are few kinds of errors.
+    // A lost context may report an error forever. There are fewer than 8 kinds of errors.
     for _ in 0..8 {
         // SAFETY: the context is current (see the module).
         match unsafe { gl.get_error() } {
@@ -107,7 +113,7 @@ fn create<T>(what: &str, made: std::result::Result<T, String>) -> Result<T> {
     made.map_err(|reason| Error::Driver { what: what.to_owned(), reason })
 }
 
-/// The two sides of a picture as the driver counts them.
+/// Width and height as the driver takes them. An error if one is 0 or exceeds `max`.
 fn checked_size(name: &str, (width, height): (u32, u32), max: i32) -> Result<[i32; 2]> {
     let side = |size: u32| i32::try_from(size).ok().filter(|size| (1..=max).contains(size));
     match (side(width), side(height)) {
@@ -120,7 +126,7 @@ fn checked_size(name: &str, (width, height): (u32, u32), max: i32) -> Result<[i3
     }
 }
 
-/// The driver counts in `i32`.
+/// A size in bytes as the driver takes it: an `i32`.
 fn size_i32(what: &str, size: usize) -> Result<i32> {
     i32::try_from(size).map_err(|_| Error::Driver {
         what: what.to_owned(),

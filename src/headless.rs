@@ -1,4 +1,4 @@
-//! OpenGL contexts without a display, for the program, tests and servers.
+//! OpenGL contexts without a display: for the program, for tests and for servers.
 #![allow(unsafe_code, reason = "contexts are made through EGL and OSMesa")]
 
 mod egl;
@@ -18,12 +18,12 @@ use crate::gpu::{DebugLog, DriverInfo, Gl, check_context};
 /// Where a headless context comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// EGL, and OSMesa where EGL gives no context.
+    /// EGL, or OSMesa if EGL gives no context.
     #[default]
     Auto,
-    /// A device of EGL, hardware before software.
+    /// An EGL device; hardware devices are tried before software ones.
     Egl,
-    /// Mesa's off-screen library, always software.
+    /// OSMesa, Mesa's off-screen library. It always draws on the CPU.
     Osmesa,
 }
 
@@ -56,10 +56,11 @@ enum Owner {
     Osmesa(osmesa::Context),
 }
 
-/// An OpenGL 4.5 core context, current on the thread that made it.
+/// An OpenGL 4.5 core context. [`Headless::new`] makes it current on the calling thread.
 ///
-/// With several on one thread, [`Headless::make_current`] goes from one to the other, and what is made with one
-/// is used and dropped while that one is current. Dropping a context leaves none current.
+/// A thread with several contexts switches between them with [`Headless::make_current`]. An object
+/// must be used and dropped while its own context is current. Dropping a `Headless` makes its
+/// context current. The context is destroyed with its last object, and then no context is current.
 pub struct Headless {
     gl: Gl,
     debug_log: DebugLog,
@@ -78,10 +79,10 @@ impl fmt::Debug for Headless {
 }
 
 impl Headless {
-    /// Makes a context and makes it current on this thread.
+    /// Creates a context and makes it current on the calling thread.
     ///
     /// # Errors
-    /// No driver gives an OpenGL 4.5 core context; the message names the packages to install.
+    /// No driver gives an OpenGL 4.5 core context. The message names the packages to install.
     pub fn new(backend: Backend) -> Result<Self> {
         let tried = match backend {
             Backend::Egl => Self::egl(),
@@ -118,7 +119,7 @@ impl Headless {
         Ok(Self { gl, debug_log, backend, info, owner })
     }
 
-    /// The functions of the context.
+    /// The handle of the context, for creating objects and calling OpenGL functions.
     #[must_use]
     pub const fn gl(&self) -> &Gl {
         &self.gl
@@ -136,7 +137,7 @@ impl Headless {
         .map_err(Error::Context)
     }
 
-    /// The address of an OpenGL function, or null: for callers who need one that glow lacks.
+    /// The address of an OpenGL function, or null; for functions that glow lacks.
     #[must_use]
     pub fn proc_address(&self, name: &CStr) -> *const c_void {
         match &*self.owner {
@@ -145,7 +146,7 @@ impl Headless {
         }
     }
 
-    /// Which backend gave the context.
+    /// The backend that gave the context, never [`Backend::Auto`].
     #[must_use]
     pub const fn backend(&self) -> Backend {
         self.backend
@@ -157,7 +158,7 @@ impl Headless {
         &self.info
     }
 
-    /// The driver's complaints.
+    /// The driver's debug messages.
     #[must_use]
     pub const fn debug_log(&self) -> &DebugLog {
         &self.debug_log
@@ -166,7 +167,8 @@ impl Headless {
 
 impl Drop for Headless {
     fn drop(&mut self) {
-        // Objects that are freed after this belong to this context, and not to another one of the thread.
+        // Objects of this context that are dropped right after it are then deleted in this context,
+        // and not in another one that was current.
         if let Err(error) = self.make_current() {
             log::debug!("a context is dropped without being current: {error}");
         }

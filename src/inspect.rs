@@ -1,5 +1,5 @@
-//! The insides that tests, benches and `freeform report` look at: the renderer in `f64` that pictures are judged
-//! by, what measures pictures against it, and the parts that drawing is made of.
+//! Internals for tests, benchmarks and `freeform report`: the reference renderer in `f64`,
+//! measurements of pictures, and the components of the renderer.
 //!
 //! Only with the feature `inspect`. Its content may change with any version.
 
@@ -14,17 +14,17 @@ pub use crate::thesis::newton::NewtonTrims;
 pub use crate::thesis::normal::thesis_normal;
 pub use crate::trim::{TrimGrid, inside_loops, ray_crossings, winding_number};
 
-/// How far pictures are from their surfaces.
+/// Measurements of the distance between pictures and their surfaces.
 pub mod measure {
     pub use crate::measure::*;
 }
 
-/// Which shaders a surface needs, and their interface.
+/// The shader programs and their interface.
 pub mod programs {
     pub use crate::programs::*;
 }
 
-/// The renderer in `f64`.
+/// The reference renderer in `f64`.
 pub mod reference {
     pub use crate::reference::*;
 }

@@ -1,7 +1,9 @@
-//! Which shaders a surface needs, and the interface they share with the draw calls.
+//! Shader programs: which one a surface needs, how it is assembled, and its interface to the draw
+//! calls.
 //!
-//! A program is put together from files of `glsl/` and from what a surface has: without trims no
-//! trim code is compiled in. `glsl/README.md` has the table of names and places.
+//! A program is assembled from files of `glsl/`, according to the properties of a surface. For
+//! example, a surface without trims gets no trim code. `glsl/README.md` lists the names, locations
+//! and bindings.
 
 mod recipes;
 
@@ -16,7 +18,8 @@ use crate::scene::{Method, Normals, Shading};
 pub use crate::tessellation::PatchKind;
 use recipes::{Facts, recipe};
 
-/// Locations of the uniforms, in step with `layout(location = …)` in `glsl/`.
+/// Locations of the uniforms, by their names in GLSL; the same as in `layout(location = …)` in
+/// `glsl/`.
 pub mod location {
     /// `tessLevel`.
     pub const TESS_LEVEL: u32 = 0;
@@ -90,55 +93,55 @@ pub mod location {
     pub const DEPTH_SCALE: u32 = 32;
 }
 
-/// Binding point of `trimPointsSsbo`, as in listing 13.
+/// Binding point of the storage buffer `trimPointsSsbo`, as in listing 13.
 pub const TRIM_POINTS_BINDING: u32 = 1;
-/// Binding point of `trimShapesSsbo`.
+/// Binding point of the storage buffer `trimShapesSsbo`.
 pub const TRIM_SHAPES_BINDING: u32 = 2;
-/// Texture unit of `trimWords`; the next is that of `trimPoints`.
+/// Texture unit of `trimWords`; the next unit is that of `trimPoints`.
 pub const TRIM_WORDS_UNIT: u32 = 1;
 /// Texture unit of `controlPoints`.
 pub const CONTROL_POINTS_UNIT: u32 = 3;
 /// Texture unit of `surfaces`.
 pub const SURFACES_UNIT: u32 = 4;
-/// Texture unit of `levels`; the next is bound beside it.
+/// Texture unit of `levels`. The buffer's second view, which no shader reads, takes the next unit.
 pub const LEVELS_UNIT: u32 = 5;
 
-/// Which stages draw something.
+/// The kind of a program, which determines its shader stages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Pipeline {
-    /// The thesis: double de Casteljau, Phong with two lights.
+    /// The thesis' method: the double de Casteljau algorithm.
     Thesis(Degree),
-    /// The report: 5×5 points, Bernstein, texture alone.
+    /// The report's method: 5×5 control points, Bernstein polynomials, texture without lighting.
     Report,
-    /// The exact method: true normals, trims by a grid, decided for each sample of a pixel.
+    /// The exact method: true normals; trims are looked up in a grid, for each sample of a pixel.
     Exact {
-        /// Of the patches.
+        /// The degree of the patches.
         degree: Degree,
-        /// Samples a pixel of the target.
+        /// Samples per pixel of the target.
         samples: u32,
         /// How the patches are evaluated.
         patches: PatchKind,
-        /// For patches of several surfaces, each with matrices of its own.
+        /// Whether one draw may contain patches of several surfaces, each with its own matrices.
         shared: bool,
-        /// Where normals are evaluated.
+        /// Whether normals are evaluated per vertex or per pixel.
         normals: Normals,
     },
     /// Smooth triangles of meshes.
     Triangles {
-        /// Phong tessellation, or else curved PN triangles.
+        /// Phong tessellation if true, curved PN triangles if false.
         phong: bool,
-        /// Corners have colours.
+        /// Whether the vertices have colours.
         colored: bool,
     },
-    /// Triangles that were made beforehand, with a method's fragment stage.
+    /// Triangles tessellated in advance, with the fragment stage of a method.
     Static(Method),
-    /// Control points as squares.
+    /// Control points, drawn as squares.
     Points,
 }
 
 impl Pipeline {
-    /// Which of the two ported works draws a surface: the report what it can, unlit 5×5 patches, and
-    /// the thesis everything else.
+    /// The pipeline of a ported method: the report's for unlit 5×5 patches, which are all that it
+    /// can draw, and the thesis' for all others.
     #[must_use]
     pub const fn ported(degree: Degree, shading: Shading) -> Self {
         match (degree, shading) {
@@ -148,34 +151,35 @@ impl Pipeline {
     }
 }
 
-/// The kinds of trims that are compiled in.
+/// The kinds of trims that are compiled in. The thesis' and the report's programs use the fields up
+/// to `nested_cubics`, the exact method the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct TrimFeatures {
-    /// `circBool`.
+    /// Circles (`circBool`).
     pub circles: bool,
-    /// `intervalBool`.
+    /// Rectangles (`intervalBool`).
     pub intervals: bool,
-    /// `ellipseBool`.
+    /// Ellipses (`ellipseBool`).
     pub ellipses: bool,
-    /// More than one circle, interval or ellipse.
+    /// More than one trim of any of the three kinds above.
     pub more_shapes: bool,
-    /// `bezierBool`.
+    /// Quadratic loops (`bezierBool`).
     pub quadratics: bool,
-    /// `bezierBool2`.
+    /// Quadratic loops with an island (`bezierBool2`).
     pub nested_quadratics: bool,
-    /// `cubicBezierBool`.
+    /// Cubic loops (`cubicBezierBool`).
     pub cubics: bool,
-    /// `cubicBezierBool2`.
+    /// Cubic loops with an island (`cubicBezierBool2`).
     pub nested_cubics: bool,
-    /// The exact method's loops: columns and rows of their cells.
+    /// Loops: the number of columns and rows of their grid. `None` without loops.
     pub loop_columns: Option<NonZeroU32>,
-    /// Crowded cells of theirs.
+    /// Some cells of this grid are subdivided.
     pub finer_loops: bool,
-    /// Cells of theirs with more than 32 pieces.
+    /// Some cells of this grid list more than 32 pieces.
     pub long_lists: bool,
-    /// Paths with rules of their own.
+    /// Some loops are paths with their own fill rules.
     pub fill_rules: bool,
-    /// The exact method's circles, intervals and ellipses.
+    /// Circles, rectangles and ellipses, in a second grid.
     pub shape_grid: bool,
 }
 
@@ -197,7 +201,7 @@ impl TrimFeatures {
         shape_grid: false,
     };
 
-    /// Everything that listing 13 has.
+    /// All trims of the thesis' method.
     pub const ALL: Self = Self {
         circles: true,
         intervals: true,
@@ -210,12 +214,12 @@ impl TrimFeatures {
         ..Self::NONE
     };
 
-    /// Whether there is a loop of any form.
+    /// Whether there are loops of the thesis' method.
     const fn loops(&self) -> bool {
         self.quadratics || self.nested_quadratics || self.cubics || self.nested_cubics
     }
 
-    /// Whether there is any.
+    /// Whether there are any trims.
     #[must_use]
     pub const fn any(&self) -> bool {
         self.circles
@@ -246,36 +250,38 @@ impl TrimFeatures {
     }
 }
 
-/// Everything that distinguishes programs.
+/// Everything that distinguishes one program from another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ProgramKey {
-    /// The stages.
+    /// The kind of program.
     pub pipeline: Pipeline,
-    /// The fragment stage's light.
+    /// The shading model.
     pub shading: Shading,
-    /// The fragment stage's trims.
+    /// The kinds of trims.
     pub trims: TrimFeatures,
-    /// The output of drawing.
+    /// What drawing produces.
     pub output: Output,
-    /// Where the picture is transparent there is a hole.
+    /// Whether fragments are discarded where the texture's alpha is below 0.5.
     pub cut_out: bool,
-    /// Depth is written as the distance from the eye: see [`location::DEPTH_SCALE`].
+    /// Whether the fragment stage writes the distance along the view axis, divided by the far
+    /// plane's distance, as depth ([`location::DEPTH_SCALE`]).
     pub far_depth: bool,
 }
 
-/// The output of drawing.
+/// What drawing produces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Output {
-    /// A colour for each pixel.
+    /// A colour per pixel.
     #[default]
     Picture,
-    /// Numbers for each pixel ([`crate::aov::Aovs`]).
+    /// Values per pixel ([`crate::aov::Aovs`]).
     Aovs,
-    /// Nothing: the corners of its triangles are kept (`DrawnVertex`).
+    /// The vertices of the triangles, captured by transform feedback (`DrawnVertex`); no pixels.
     Triangles,
 }
 
-/// The outputs that are captured of the corners of triangles, in the order of `DrawnVertex`.
+/// The shader outputs that transform feedback captures, in the order of the fields of
+/// `DrawnVertex`.
 const KEPT: [&str; 5] = ["gl_Position", "position", "passNormal", "passTessCoord", "passPatch"];
 
 macro_rules! glsl {
@@ -284,7 +290,7 @@ macro_rules! glsl {
     };
 }
 
-/// Every file of `glsl/`, by its path there.
+/// Every shader file of `glsl/`: its path there and its text.
 const FILES: [(&str, &str); 25] = glsl![
     "common/aov.geom",
     "common/aov.frag",
@@ -313,14 +319,15 @@ const FILES: [(&str, &str); 25] = glsl![
     "triangles/triangle.tese",
 ];
 
-/// The texts of the shaders: the library's own, or others in their place.
+/// The source texts of the shaders: the library's own, some of which may be replaced.
 #[derive(Debug, Clone, Default)]
 pub struct Sources {
     replaced: HashMap<&'static str, String>,
 }
 
 impl Sources {
-    /// Replaces `old` by `new` in a file, for experiments and for tests that must notice.
+    /// Replaces all occurrences of `old` by `new` in a file: for experiments, and for tests that
+    /// must notice a wrong shader.
     ///
     /// # Panics
     /// If `glsl/` has no such file, or the file does not contain `old`.
@@ -353,7 +360,7 @@ impl Sources {
     /// Compiles and links the program of a key.
     ///
     /// # Errors
-    /// A shader that the driver does not take; with file and line.
+    /// The driver rejects a shader or the program. Errors of the compiler name file and line.
     pub fn link(&self, gl: &Gl, key: ProgramKey) -> Result<Program> {
         let side = match key.pipeline {
             Pipeline::Thesis(degree) | Pipeline::Exact { degree, .. } => degree.side(),

@@ -1,7 +1,8 @@
-// What a pixel shows, as numbers instead of a colour; trims are decided at the pixel's centre.
+// AOVs: values of a pixel instead of a colour. Trims are decided at the pixel's centre.
 //
-// The driver's interpolation has few digits on triangles that are seen from the edge, thinner than a
-// thousandth of a pixel. Here weights come from the corners themselves, seen from the pixel's centre.
+// The driver's interpolation is imprecise on triangles that are seen edge-on and thinner than a
+// thousandth of a pixel. The barycentric weights are therefore computed here, from the triangle's
+// vertices and the pixel's centre.
 
 layout(location = 0) flat in vec3 cornerClips[3]; // x, y and w
 layout(location = 3) flat in vec3 cornerNormals[3];
@@ -10,22 +11,23 @@ layout(location = 9) flat in vec2 cornerTessCoords[3];
 layout(location = 12) flat in uint patchOfTriangle;
 
 layout(location = 24) uniform mat4 viewToWorld;
-layout(location = 26) uniform vec4 viewport; // first x and y, half of the width and the height
+layout(location = 26) uniform vec4 viewport; // first pixel, half of width and height
 
-layout(location = 0) out vec4 uvAov;       // u, v, patch, 1
-layout(location = 1) out vec4 positionAov; // world space, and 1
-layout(location = 2) out vec4 normalAov;   // world space, Su × Sv; and the depth along the view axis
+layout(location = 0) out vec4 uvAov;       // u, v, number of the patch, 1
+layout(location = 1) out vec4 positionAov; // world space; 1
+layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distance along view axis
 
 #ifdef FAR_DEPTH
-// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+// Depth is proportional to the distance along the view axis, so its relative precision is the same
+// at every distance.
 layout(location = 32) uniform float depthScale;
 #endif
 
-// The corners' weights at the pixel's centre, perspective-correct.
+// The perspective-correct barycentric weights of the pixel's centre.
 vec3 cornerWeights()
 {
     vec2 center = (gl_FragCoord.xy - viewport.xy) / viewport.zw - 1.0;
-    vec2 offsets[3]; // from the centre in pixels, times w
+    vec2 offsets[3]; // of the vertices from the pixel's centre, in pixels, times w
     vec3 w;
     for (int i = 0; i < 3; ++i) {
         w[i] = cornerClips[i].z;
@@ -35,7 +37,7 @@ vec3 cornerWeights()
         vec3(offsets[0].y, offsets[1].y, offsets[2].y));
     float sum = weights.x + weights.y + weights.z;
     weights /= sum;
-    // What lies behind the eye has no place on the screen.
+    // Vertices behind the eye have no position on the screen.
     bool before = min(w.x, min(w.y, w.z)) > 0.0;
     vec2 corners[3] = vec2[](offsets[0] / w.x, offsets[1] / w.y, offsets[2] / w.z);
     vec2 a = corners[1] - corners[0], b = corners[2] - corners[0];
@@ -43,7 +45,8 @@ vec3 cornerWeights()
     bool thin = abs(a.x * b.y - a.y * b.x) < 1e-3 * sqrt(longest);
     bool outside = !(min(weights.x, min(weights.y, weights.z)) >= 0.0);
     if (before && (thin || outside)) {
-        // Rounding has moved the triangle or hides its width: the nearest place on its border.
+        // Because of rounding, the triangle misses the pixel's centre, or its width is lost. The
+        // point of its border that is nearest to the centre is taken instead.
         float nearest = 1e30;
         for (int i = 0; i < 3; ++i) {
             int j = i == 2 ? 0 : i + 1;

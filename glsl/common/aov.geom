@@ -1,4 +1,4 @@
-// Hands all corners of a triangle to each of its pixels.
+// Passes the data of all three vertices of a triangle to each of its fragments.
 
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 3) out;

@@ -1,5 +1,5 @@
-// The normal at a pixel: of the surface itself if PIXEL_NORMALS is defined, else what the triangle's
-// vertices have.
+// The normal at a pixel: that of the surface if PIXEL_NORMALS is defined, otherwise interpolated
+// from the vertices of the triangle, and then not of unit length.
 
 #ifdef PIXEL_NORMALS
 #ifdef SHARED

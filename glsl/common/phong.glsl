@@ -1,6 +1,6 @@
 // Listing 7: Phong's model with two lights. Keep in step with src/reference/shading.rs.
 //
-// All vectors are in view space, where the eye is the origin that the listing takes it for.
+// All vectors are in view space: the listing assumes the eye at the origin.
 
 layout(location = 33) uniform vec3 lightPosition;
 layout(location = 34) uniform vec3 lightPosition2;

@@ -1,5 +1,5 @@
-// Triangles that were made beforehand: what tessellation is measured against. It hands the fragment
-// stage of either method what an evaluation stage would.
+// Triangles tessellated in advance, the baseline for measurements of tessellation. The outputs are
+// those of the evaluation stages, so that the fragment stages of both methods can be used.
 
 layout(location = 0) in vec4 vertexPosition; // world space; w holds u
 layout(location = 1) in vec4 vertexNormal;   // world space; w holds v
@@ -16,7 +16,7 @@ layout(location = 2) out vec4 position;
 #ifdef AOV
 layout(location = 3) flat out uint passPatch;
 #else
-layout(location = 4) out vec2 passUVCoord; // the thesis' second pair
+layout(location = 4) out vec2 passUVCoord; // read by the thesis' fragment stage
 #endif
 
 void main()

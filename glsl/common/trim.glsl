@@ -1,13 +1,14 @@
-// The exact method's trims: what is cut out of the domain, right at every sample. Keep in step with
-// src/trim/{exact,grid,uniform_grid,pieces,shapes}.rs, which decide bit for bit alike; grid.rs says what
-// the words mean and why.
+// The exact method's trims: whether a point of the domain is cut. Keep in step with
+// src/trim/{exact,grid,uniform_grid,pieces,shapes}.rs, which make the same decisions bit for bit;
+// grid.rs and shapes.rs describe the words of the buffer.
 //
-// Compiled in is what a surface has: LOOPS with LOOP_COLUMNS, columns and rows of their cells;
-// FINER_LOOPS, some cells have cells of their own; LONG_LISTS, some have more than 32 pieces;
-// FILL_RULES, paths have rules of their own; SHAPES.
+// Only what a surface has is compiled in: LOOPS, with LOOP_COLUMNS columns and as many rows of
+// cells; FINER_LOOPS, some cells are subdivided; LONG_LISTS, some cells list more than 32 pieces;
+// FILL_RULES, paths have their own fill rules; SHAPES, circles, rectangles and ellipses.
 
-// One buffer, seen as words and as texels of four floats. (Reading a buffer texture costs Mesa's
-// software driver a tenth of what a storage buffer does, and less than a uniform.)
+// Two views of one buffer: words, and texels of four floats. (With Mesa's software driver, a fetch
+// from a buffer texture takes a tenth of the time of one from a storage buffer, and less than a
+// uniform.)
 layout(binding = 1) uniform usamplerBuffer trimWords;
 layout(binding = 2) uniform samplerBuffer trimPoints;
 
@@ -25,32 +26,33 @@ uint trimWord(uint at)
     return texelFetch(trimWords, int(at)).x;
 }
 
-// The number of the cell at a place that is counted in cells.
+// The index of the cell that contains a point. The unit of the point's coordinates is a cell.
 uint cellAt(vec2 place, uint columns)
 {
-    // Never negative; drivers are quicker with signed numbers.
+    // Never negative; signed conversions are faster with some drivers.
     return uint(int(place.y) * int(columns) + int(place.x));
 }
 
 #ifdef LOOPS
-// Above 0 if b points to the left of a.
+// The cross product: positive if b points to the left of a.
 float crossed(vec2 a, vec2 b)
 {
     precise float value = a.x * b.y - a.y * b.x;
     return value;
 }
 
-// What a crossing of a piece adds to the winding number.
+// The contribution of one crossing of a piece to the winding number.
 int turnOf(uint reference)
 {
 #ifdef FILL_RULES
     return (reference & FALLS) != 0u ? -1 : 1;
 #else
-    return 1; // Odd stays odd.
+    return 1; // Only the parity matters.
 #endif
 }
 
-// What the pieces of the list at a word add to the winding number; moves on behind the list.
+// The contribution of the pieces of a list to the winding number. The list begins at the word `at`,
+// which is moved past its end. The ray from uv runs towards greater u.
 int crossings(inout uint at, vec2 uv)
 {
     int number = 0;
@@ -59,18 +61,18 @@ int crossings(inout uint at, vec2 uv)
     while (!last)
 #endif
     {
-        // From piece to piece; those that must be halved are marked. Drivers that do not branch do
-        // all of this for every pixel, so that halving has no place in it.
+        // Tests every piece, and marks those that must be halved. The halving is in a loop of its
+        // own, because drivers without branches execute this whole loop body for every pixel.
         uint first = at, near = 0u, mark = 1u;
         do {
             uint reference = trimWord(at);
             vec4 ends = texelFetch(trimPoints, int(reference >> 5) * 2);
-            // The half-open test of the row and the box decide topology on stored bits alone.
+            // The half-open row test and the box test decide the topology from stored bits alone.
             bool lowReached = ends.y <= uv.y, highReached = ends.w <= uv.y;
             bool inRow = lowReached != highReached;
             bool leftOfBox = uv.x < min(ends.x, ends.z);
             bool inBox = inRow && !leftOfBox && uv.x < max(ends.x, ends.z);
-            // In the box the curve lies on one side of its chord.
+            // In the box, the whole curve lies on one side of its chord.
             bool left = (reference & LEFT) != 0u;
             bool outside = (left ? 1.0 : -1.0) * crossed(ends.zw - ends.xy, uv - ends.xy) < 0.0;
             bool crosses = inBox ? outside && !left : inRow && leftOfBox;
@@ -87,7 +89,7 @@ int crossings(inout uint at, vec2 uv)
         } while (!last);
 #endif
 
-        // One halving after the other, and from one marked piece to the next.
+        // Halves the marked pieces, one piece after the other. Each iteration is one halving.
         int halvings = 0, turn = 1;
         bool left = false;
         vec2 point = vec2(0.0), a = vec2(0.0), b = vec2(0.0), c = vec2(0.0), d = vec2(0.0);
@@ -105,8 +107,8 @@ int crossings(inout uint at, vec2 uv)
                 c = inner;
                 d = chord;
             }
-            // De Casteljau's averages without their factors ½: those are exact, so that it makes no
-            // difference when they are applied.
+            // De Casteljau's averages without their factors ½. Multiplying by ½ is exact, so it
+            // makes no difference when this is done.
             precise vec2 ab = a + b, bc = b + c, cd = c + d;
             precise vec2 abc = ab + bc, bcd = bc + cd;
             precise vec2 middle = (abc + bcd) * 0.125;
@@ -115,7 +117,7 @@ int crossings(inout uint at, vec2 uv)
             c = above ? cd * 0.5 : abc * 0.25;
             a = above ? middle : a;
             d = above ? d : middle;
-            // The curve lies between its chords and the tangent in the middle.
+            // The curve lies between the chord of each half and the tangent in the middle.
             float side = left ? 1.0 : -1.0;
             bool outside = side * crossed(d - a, point - a) < 0.0;
             bool beyond = side * crossed(bcd - abc, point - middle) > 0.0;
@@ -147,7 +149,7 @@ bool cutByLoops(vec2 uv)
         return turned;
     uint at = cell >> 3;
 #ifdef FILL_RULES
-    // A sample is inside if it is inside of one path.
+    // A sample is inside if it is inside at least one path. Each path has a head and a list.
     for (;;) {
         uint head = trimWord(at++);
         int number = (int(head) >> 2) + crossings(at, uv);
@@ -192,7 +194,7 @@ bool cutByShapes(vec2 uv)
 // Whether any trim cuts uv.
 bool cut(vec2 uv)
 {
-    // The last number below 1: the domain's far borders belong to the cells before them.
+    // The largest float below 1: the far borders of the domain belong to the cells before them.
     uv = clamp(uv, 0.0, 0.99999994);
 #ifdef SHAPES
     if (cutByShapes(uv))

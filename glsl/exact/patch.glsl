@@ -1,8 +1,8 @@
-// A patch by Bernstein polynomials, and its normal. Keep in step with src/bezier.rs.
+// Evaluates a patch in Bernstein form, and its normal. Keep in step with src/bezier.rs.
 //
-// t is a place in the domain and s is 1 - t, each rounded by itself, so that a patch whose parameter
-// runs the other way gets the same numbers with s and t exchanged. Every sum and product of a point
-// is written so that this exchange changes no bit of it.
+// t is a parameter and s is 1 - t, each rounded separately. A neighbouring patch whose parameter
+// runs in the opposite direction has the same two numbers exchanged. All sums and products of a
+// point are ordered such that this exchange does not change a bit of the result.
 
 // Bernstein polynomials of degree SIDE - 1.
 void bernstein(float t, float s, out float b[SIDE])
@@ -18,7 +18,7 @@ void bernstein(float t, float s, out float b[SIDE])
 #endif
 }
 
-// Their derivatives.
+// The first derivatives of the Bernstein polynomials.
 void bernsteinSlopes(float t, float s, out float slope[SIDE])
 {
 #if SIDE == 4
@@ -32,7 +32,7 @@ void bernsteinSlopes(float t, float s, out float slope[SIDE])
     slope[SIDE - 1] = lower[SIDE - 2];
 }
 
-// Points times weights, from both ends towards the middle.
+// The sum of points times Bernstein polynomials. Symmetric: reversing both arrays changes no bit.
 POINT weightedSum(POINT p[SIDE], float b[SIDE])
 {
 #if SIDE == 4
@@ -43,7 +43,7 @@ POINT weightedSum(POINT p[SIDE], float b[SIDE])
     return sum;
 }
 
-// The same of a number that all points have.
+// The same sum if all points are the one number `all`.
 float weightedSum(float all, float b[SIDE])
 {
 #if SIDE == 4
@@ -78,12 +78,13 @@ void evaluate(POINT points[SIDE * SIDE], vec2 t, vec2 s, out vec4 point, out POI
 #ifdef RATIONAL
     point = weightedSum(rows, bv);
 #else
-    // The weight rounded as among others: patches of both kinds meet.
+    // The weight, 1, is rounded like that of a rational patch, so that patches of both kinds meet
+    // bit for bit.
     point = vec4(weightedSum(rows, bv), weightedSum(weightedSum(1.0, bu), bv));
 #endif
 }
 
-// The direction that a tangent has by the quotient rule, whose denominator is left out.
+// The tangent by the quotient rule, without the division by the squared weight.
 vec3 tangent(vec4 point, POINT derivative)
 {
 #ifdef RATIONAL
@@ -94,7 +95,7 @@ vec3 tangent(vec4 point, POINT derivative)
 }
 
 #ifdef DEGENERATE
-// Second derivatives of Bernstein polynomials.
+// The second derivatives of the Bernstein polynomials.
 void bernsteinBends(float t, float s, out float bend[SIDE])
 {
 #if SIDE == 4
@@ -110,8 +111,9 @@ void bernsteinBends(float t, float s, out float bend[SIDE])
     }
 }
 
-// The normal where tangents may vanish or be parallel: then the first term of its series along the
-// diagonal into the patch that does not vanish. Not of unit length; zero if all terms vanish.
+// The normal Sv × Su of a patch whose tangents may vanish or be parallel. There it is the first
+// non-vanishing term of the normal's Taylor series along the diagonal into the patch; the quadratic
+// term omits derivatives above the second. Not of unit length; zero if all terms vanish.
 vec3 patchNormal(POINT points[SIDE * SIDE], vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
 {
     float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE], ru[SIDE], rv[SIDE];
@@ -140,7 +142,7 @@ vec3 patchNormal(POINT points[SIDE * SIDE], vec2 t, vec2 s, vec4 point, vec4 du,
 
     vec3 normal = cross(v, u);
     float uu = dot(u, u), vv = dot(v, v);
-    // Shorter tangents are mostly rounding.
+    // Shorter tangents consist mostly of rounding errors.
     bool plain = uu > 1e-7 * longest.x * longest.x && vv > 1e-7 * longest.y * longest.y
         && dot(normal, normal) > 1e-8 * uu * vv;
     if (!plain) {
@@ -149,7 +151,8 @@ vec3 patchNormal(POINT points[SIDE * SIDE], vec2 t, vec2 s, vec4 point, vec4 du,
         normal = cross(v, uInwards) + cross(vInwards, u);
         if (dot(normal, normal) <= 1e-8 * size * size)
             normal = cross(vInwards, uInwards);
-        // Short of where it vanishes it may turn back: what is left of it tells, if more than rounding.
+        // Near the point where the normal vanishes, the term may have the opposite sign. The normal
+        // itself gives the sign, if it is larger than rounding errors.
         if (dot(here, here) > 1e-10 * size * size && dot(here, normal) < 0.0)
             normal = -normal;
     }

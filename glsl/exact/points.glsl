@@ -1,6 +1,6 @@
 // The control points of a patch.
 //
-// With RATIONAL weights may differ from 1; without it all weights are 1.
+// With RATIONAL, weights may differ from 1; without it, all weights are 1 and are not fetched.
 
 layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred and scaled
 
@@ -10,7 +10,7 @@ layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred
 #define POINT vec3
 #endif
 
-// The control points of the patch whose first this is, with their weights if those may differ from 1.
+// The control points of the patch whose first point has the index `first`.
 void fetchPatch(int first, out POINT points[SIDE * SIDE])
 {
     for (int i = 0; i < SIDE * SIDE; ++i) {

@@ -1,11 +1,11 @@
-// The thesis' light; trims are decided at each sample's own (u, v).
+// The thesis' lighting (common/phong.glsl). Trims are decided at the (u, v) of each sample.
 //
-// SAMPLES is how many samples a pixel of the target has.
+// SAMPLES is the number of samples per pixel of the target.
 
 layout(location = 1) in vec2 passTessCoord;
 layout(location = 2) in vec4 position;
 #ifdef COLORED
-layout(location = 6) in vec3 passColor; // of a mesh's corners
+layout(location = 6) in vec3 passColor; // interpolated from the vertices of a mesh
 #endif
 
 layout(binding = 0) uniform sampler2D colortexture;
@@ -13,13 +13,15 @@ layout(binding = 0) uniform sampler2D colortexture;
 out vec4 fragmentColor;
 
 #ifdef FAR_DEPTH
-// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+// Depth is proportional to the distance along the view axis, so its relative precision is the same
+// at every distance.
 layout(location = 32) uniform float depthScale;
 #endif
 
 void main()
 {
-    // Sampled before anything is discarded: the texture's derivatives need all neighbours.
+    // Sampled before any fragment is discarded: the mipmap level is computed from neighbouring
+    // pixels.
     vec4 texel = texture(colortexture, passTessCoord);
     vec3 diffuseColor = texel.rgb;
 #ifdef CUT_OUT

@@ -1,5 +1,5 @@
-// Cuts a sub-patch into cells, and fetches its control points, once for all of its vertices. SIDE is 4
-// or 5: control points along a side.
+// Sets the number of cells of a sub-patch, and fetches the control points of its patch, once for
+// all vertices. SIDE is 4 or 5, the number of control points along a side.
 
 layout(vertices = 1) out;
 
@@ -10,7 +10,7 @@ patch out uvec4 placeOfPatch;
 patch out uvec4 cutOfPatch;
 patch out POINT pointsOfPatch[SIDE * SIDE];
 #ifdef DEGENERATE
-patch out vec2 longest; // tangents along u and v, at most
+patch out vec2 longest; // estimated maximum lengths of the tangents along u and v
 
 // The distance between two control points.
 float apart(vec4 a, vec4 b)

@@ -1,14 +1,15 @@
 // The vertices of a sub-patch: points of the patch and their normals.
 //
-// The cells of a sub-patch are a regular grid. Where an edge has fewer levels than the grid has cells, the
-// grid's vertices move along it to the edge's places, towards the middle of the edge, as the diagonals
-// of the cells point: no triangle then reaches further than a level of the edge, and what lies on the
-// other side of the edge has the same vertices (src/tessellation/plan.rs).
+// The cells of a sub-patch are a regular grid. If the level of an edge is lower than the number of
+// cells, the vertices on the edge move along it to the positions of its level. They move towards
+// the middle of the edge, as the diagonals of the cells point, so that no triangle spans more than
+// one segment of the edge. The neighbour has the same vertices on the edge
+// (src/tessellation/plan.rs).
 
 layout(quads, equal_spacing, ccw) in;
 
 #ifdef SHARED
-layout(binding = 4) uniform samplerBuffer surfaces; // 12 columns of matrices for each
+layout(binding = 4) uniform samplerBuffer surfaces; // 12 matrix columns for each
 #else
 layout(location = 27) uniform mat4 toClip;
 layout(location = 28) uniform mat4 toView;
@@ -22,7 +23,7 @@ patch in POINT pointsOfPatch[SIDE * SIDE];
 patch in vec2 longest;
 #endif
 
-invariant gl_Position;  // sub-patches of a patch are drawn by two programs and must meet
+invariant gl_Position;  // different programs draw neighbouring sub-patches, which must meet
 layout(location = 0) out vec3 passNormal;    // view space, unit length
 layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims and the texture
 layout(location = 2) out vec4 position;      // view space
@@ -36,8 +37,10 @@ layout(location = 5) flat out vec2 passLongest;
 #endif
 #endif
 
-// Along one direction a vertex lies on a level of the edge that it belongs to, if any. At an end of that
-// direction there is one level alone, so that all sub-patches that meet there divide alike.
+// The parameters t and 1 - t of a vertex along one direction. `across` is its coordinate in the
+// other direction: at 0 and 1 the vertex lies on an edge with the level `low` or `high`. Both ends
+// of the direction are computed with 1 level, so that all sub-patches that meet there divide the
+// same numbers.
 vec2 placeAlong(float tessCoord, float across, float cells, float low, float high, float subPatch, float subPatches)
 {
     float levels = across == 0.0 ? low : across == 1.0 ? high : cells;
@@ -46,7 +49,7 @@ vec2 placeAlong(float tessCoord, float across, float cells, float low, float hig
 }
 
 #ifdef SHARED
-// A matrix of the patch's surface: its columns from this one on.
+// The matrix of the patch's surface that begins at this column.
 mat4 matrix(int column)
 {
     int first = int(placeOfPatch.z) * 12 + column;
@@ -75,7 +78,7 @@ void main()
 #ifdef DEGENERATE
     vec3 normal = mat3(normalToView) * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
 #else
-    // Crossed v first, as in the thesis.
+    // Sv × Su, as in the thesis.
     vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));
 #endif
     float size = dot(normal, normal);

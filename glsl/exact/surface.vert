@@ -1,8 +1,9 @@
-// Hands on one sub-patch of a patch: the only vertex of what OpenGL takes for the patch. The control stage
-// fetches its control points.
+// Passes on the description of a sub-patch, which is the only vertex of an OpenGL patch. The
+// control stage fetches the control points.
 
 layout(location = 0) in uvec4 place; // first control point, patch, surface, column | row << 16
-layout(location = 1) in uvec4 cut;   // levels of the edges, cells, sub-patches of the patch along u and v, unused
+// Packed: levels of the edges; cells along u and v; sub-patches of the patch along u and v; unused.
+layout(location = 1) in uvec4 cut;
 
 flat out uvec4 placeOfVertex;
 flat out uvec4 cutOfVertex;

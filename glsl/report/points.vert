@@ -1,4 +1,4 @@
-// Report, section 3.2: the control points themselves, as squares.
+// Report, section 3.2: draws the control points as squares.
 
 layout(location = 0) in vec4 controlPoint; // homogeneous: (x·w, y·w, z·w, w)
 
@@ -9,7 +9,7 @@ out TES_OUT {
 layout(location = 1) uniform mat4 model;
 layout(location = 2) uniform mat4 view;
 layout(location = 3) uniform mat4 projection;
-layout(location = 23) uniform float pointSize; // pixels a side
+layout(location = 23) uniform float pointSize; // width in pixels
 
 void main()
 {

@@ -1,4 +1,4 @@
-// Report, section 2.4: the texture alone, red lines, or blue control points.
+// Report, section 2.4: the texture without lighting, red wireframe lines, or blue control points.
 
 in TES_OUT {
     vec2 texCoord;
@@ -10,7 +10,8 @@ layout(location = 2) in vec4 position; // view space
 out vec4 FragColor;
 
 #ifdef FAR_DEPTH
-// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+// Depth is proportional to the distance along the view axis, so its relative precision is the same
+// at every distance.
 layout(location = 32) uniform float depthScale;
 #endif
 

@@ -1,4 +1,4 @@
-// Report, section 2.2: 25 control points, one level everywhere.
+// Report, section 2.2: 25 control points, and the same level for every edge and the inside.
 
 layout(vertices = 25) out;
 

@@ -1,4 +1,4 @@
-// Report, section 2.3: a surface of degree 4 by Bernstein polynomials. Keep in step with
+// Report, section 2.3: evaluates a patch of degree 4 by Bernstein polynomials. Keep in step with
 // src/bezier.rs.
 
 layout(quads, equal_spacing, ccw) in;
@@ -17,11 +17,11 @@ layout(location = 2) out vec4 position; // view space
 layout(location = 1) uniform mat4 model;
 layout(location = 2) uniform mat4 view;
 layout(location = 3) uniform mat4 projection;
-layout(location = 4) uniform vec3 part; // of the domain: where it begins in u and v, its length
+layout(location = 4) uniform vec3 part; // sub-patch in the domain: first u, first v, side length
 
 float power(float t, int n)
 {
-    // pow(0, 0) is undefined.
+    // A product, because pow(0, 0) is undefined.
     float p = 1.0;
     for (int i = 0; i < n; ++i)
         p *= t;

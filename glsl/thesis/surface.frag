@@ -1,4 +1,4 @@
-// Listing 13: the light of listing 7 (common/phong.glsl), then the trims.
+// Listing 13: the trims, and the lighting of listing 7 (common/phong.glsl).
 
 layout(location = 0) in vec3 passNormal;
 layout(location = 1) in vec2 passTessCoord;
@@ -10,13 +10,15 @@ layout(binding = 0) uniform sampler2D colortexture;
 out vec4 fragmentColor;
 
 #ifdef FAR_DEPTH
-// Depth is the distance along the view axis, which keeps its digits from the nearest to the farthest.
+// Depth is proportional to the distance along the view axis, so its relative precision is the same
+// at every distance.
 layout(location = 32) uniform float depthScale;
 #endif
 
 void main()
 {
-    // Sampled before anything is discarded: the texture's derivatives need all neighbours.
+    // Sampled before any fragment is discarded: the mipmap level is computed from neighbouring
+    // pixels.
     vec4 texel = texture(colortexture, passUVCoord);
     vec3 diffuseColor = texel.rgb;
 #ifdef CUT_OUT

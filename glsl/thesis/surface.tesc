@@ -1,6 +1,6 @@
 // Listing 1: every edge and the inside of a patch get the same level.
 //
-//        outer[3]          SIDE is 4 or 5: control points along one side of the patch.
+//        outer[3]          SIDE is 4 or 5, the number of control points along a side.
 //       +--------+
 // outer |        | outer
 //  [0]  | inner  |  [2]

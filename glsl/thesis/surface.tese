@@ -1,7 +1,7 @@
 // Listings 3 to 6: the double de Casteljau algorithm. Keep in step with src/thesis/normal.rs.
 //
-//  v    12 13 14 15     Rows run along u. The first pass blends each row at u, the second
-//  ^     8  9 10 11     the four results at v.
+//  v    12 13 14 15     Rows run along u. The first pass evaluates each row at u, the second
+//  ^     8  9 10 11     the curve of the SIDE results at v.
 //  |     4  5  6  7
 //  |     0  1  2  3
 //  +----------> u       (SIDE = 4; a 5×5 patch likewise)
@@ -11,7 +11,7 @@ layout(quads, equal_spacing, ccw) in;
 layout(location = 1) uniform mat4 modelMatrix;
 layout(location = 2) uniform mat4 viewMatrix;
 layout(location = 3) uniform mat4 projectionMatrix;
-layout(location = 4) uniform vec3 part; // of the domain: where it begins in u and v, its length
+layout(location = 4) uniform vec3 part; // sub-patch in the domain: first u, first v, side length
 
 layout(location = 0) out vec3 passNormal;    // view space, unit length
 layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims
@@ -29,12 +29,14 @@ vec3 direction(vec3 v)
     return size > 0.0 ? v / size : vec3(0.0);
 }
 
-// Listing 4. `index` tells which tangent this pass leaves behind: 0 tangV, 1 tangU.
+// Listing 4. `index` selects the tangent that this pass overwrites: 0 for tangV, which is the
+// tangent along u, and 1 for tangU, the tangent along v.
 vec4 deCasteljau(vec4 points[SIDE], inout vec3 tangU, inout vec3 tangV, float t, int index)
 {
     for (int last = SIDE - 2; last >= 0; --last) {
         if (last == 0) {
-            // For weights of 1 this is the listing's difference of the last two points.
+            // If all weights are 1, this is the difference of the last two points, as in the
+            // listing.
             vec3 tangent =
                 direction(points[1].xyz / points[1].w - points[0].xyz / points[0].w);
             if (index == 1)
@@ -48,8 +50,8 @@ vec4 deCasteljau(vec4 points[SIDE], inout vec3 tangU, inout vec3 tangV, float t,
     return points[0];
 }
 
-// Listing 5. Every row overwrites tangV, so that the one of the last row is left over: the tangent
-// along u is right on the border v = 1 alone. That is the thesis' normal, kept to be measured.
+// Listing 5. Every row overwrites tangV, so the tangent along u is that of the last row. It is
+// correct only on the border v = 1. This error of the thesis is kept, so that it can be measured.
 void doubleDeCasteljau(float u, float v, out vec4 point, out vec3 tangU, out vec3 tangV)
 {
     tangU = vec3(0.0);
@@ -73,7 +75,8 @@ void main()
     vec3 tangU, tangV;
     doubleDeCasteljau(u, v, point, tangU, tangV);
 
-    // The cross product of transformed tangents is the normal matrix times that of the tangents.
+    // The cross product of transformed vectors is, up to a factor, the normal matrix times their
+    // cross product.
     mat3 toView = mat3(viewMatrix) * mat3(modelMatrix);
     passNormal = direction(cross(toView * tangU, toView * tangV));
     passTessCoord = vec2(u, v);

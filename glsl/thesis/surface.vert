@@ -1,11 +1,12 @@
-// Hands the control points on to the tessellation stages.
+// Passes the control points on to the tessellation stages.
 
 layout(location = 0) in vec4 controlPoint; // homogeneous: (x·w, y·w, z·w, w)
 
 #ifdef AOV
-// The patch's number. gl_PrimitiveID would not do: drivers that divide a draw begin it anew (docs/drivers.md).
-layout(location = 25) uniform int firstPatch; // of the draw, among all of the scene
-layout(location = 31) uniform int firstPoint; // of the draw, in its buffer
+// The number of the patch. gl_PrimitiveID cannot be used, because it restarts where a driver
+// divides a draw (docs/drivers.md).
+layout(location = 25) uniform int firstPatch; // number of the first patch in the scene
+layout(location = 31) uniform int firstPoint; // index of its first control point in the buffer
 flat out uint patchOfPoint;
 #endif
 

@@ -1,10 +1,10 @@
-// Listings 7 to 12: what is cut out of the domain. Keep in step with src/trim.rs (shapes) and
-// src/thesis/newton.rs (loops).
+// Listings 7 to 12: whether a point of the domain is cut. Keep in step with src/trim.rs (shapes)
+// and src/thesis/newton.rs (loops).
 //
-// A switch of the thesis holds 0 (off) or the number of trims of its kind. The first circle,
-// interval and ellipse are in the uniforms of listing 13, more of them in the buffer at binding 2.
-// Compiled in is what a surface has: CIRCLES, INTERVALS, ELLIPSES, MORE_SHAPES, QUADRATICS,
-// NESTED_QUADRATICS, CUBICS, NESTED_CUBICS.
+// A switch of the thesis (…Bool) is 0 for off, or the number of trims of its kind. The first
+// circle, interval (rectangle) and ellipse are in the uniforms of listing 13, all others in the
+// buffer at binding 2. Only what a surface has is compiled in: CIRCLES, INTERVALS, ELLIPSES,
+// MORE_SHAPES, QUADRATICS, NESTED_QUADRATICS, CUBICS, NESTED_CUBICS.
 
 #ifdef CIRCLES
 layout(location = 7) uniform float trimRadius;
@@ -34,7 +34,7 @@ layout(location = 10) uniform float trimRadius2;
 layout(location = 11) uniform vec2 trimEllipseCenter;
 layout(location = 14) uniform int ellipseBool;
 
-// The listing's pow(x, 2) is undefined for negative x.
+// Products, because the listing's pow(x, 2) is undefined for negative x.
 bool cutByEllipse(vec2 uv, vec2 center, vec2 radii)
 {
     vec2 d = uv - center;
@@ -52,8 +52,8 @@ layout(std430, binding = 2) readonly buffer trimShapesSsbo
 #endif
 
 #if defined(QUADRATICS) || defined(NESTED_QUADRATICS) || defined(CUBICS) || defined(NESTED_CUBICS)
-//      p1                p1    p2         A nested loop follows the outer one in the same
-//    /    \            /          \       order. Its points begin at `p`.
+//      p1                p1    p2         `p` is the index of p0. If there is an inner loop, its
+//    /    \            /          \       points follow those of the outer one in the same order.
 //  p0      p2        p0            p3
 //    \    /            \          /
 //      p3                p4    p5
@@ -65,7 +65,7 @@ layout(std430, binding = 1) readonly buffer trimPointsSsbo
 layout(location = 19) uniform int newtonIterations; // the listing's 10
 layout(location = 20) uniform float newtonEpsilon;  // the listing's 0.001
 
-// The coordinate with Bernstein coefficients b at t, and its derivative: listings 8 and 9.
+// The polynomial with Bernstein coefficients b at t, and its derivative: listings 8 and 9.
 vec2 valueAndSlope(vec3 b, float t)
 {
     float s = 1.0 - t;
@@ -80,7 +80,8 @@ vec2 valueAndSlope(vec4 b, float t)
                 3.0 * s * s * (b.y - b.x) + 6.0 * t * s * (b.z - b.y) + 3.0 * t * t * (b.w - b.z));
 }
 
-// Listing 10: from t to where the coordinate is v. Without convergence, the last iterate.
+// Listing 10: Newton's method from t to a parameter at which the polynomial is v. Returns the last
+// iterate, whether it has converged or not.
 #define NEWTON(COEFFICIENTS)                                                                     \
     float root(COEFFICIENTS b, float v, float t)                                                 \
     {                                                                                            \
@@ -143,7 +144,8 @@ bool newtonIterationTrimmingCubic(int p, vec2 uv)
     return (between(upper) && onCurve(upper)) || (between(lower) && onCurve(lower));
 }
 
-// Listing 12, and the same for cubics. It asks of the inner curves no t in [0, 1].
+// Listing 12, and the same for cubics. As in the listing, t of the inner curves is not checked to
+// be in [0, 1].
 bool newtonIterationTrimming2(int p, vec2 uv)
 {
     vec4 upper = meetings(p + ivec3(0, 1, 2), uv);

@@ -1,13 +1,13 @@
-// The control points of a smooth triangle, and how finely it is cut. Keep in step with src/mesh/pn.rs and
+// The control points and the levels of a smooth triangle. Keep in step with src/mesh/pn.rs and
 // src/mesh/phong.rs.
 //
-// Edge k runs from corner k to the next. Control points are kept as what moves them off the flat
-// triangle: those of an edge off its thirds (PN) or its middle (Phong), so that neighbours get the
-// same numbers whichever way each of them runs.
+// Edge k runs from corner k to the next. Control points are stored as offsets from the flat
+// triangle: those of an edge as offsets from its thirds (PN) or its middle (Phong). Two triangles
+// compute the same offsets for their common edge, although it runs in opposite directions in them.
 
 layout(vertices = 3) out;
 
-layout(binding = 5) uniform usamplerBuffer levels; // of the edges from bit 0, 8 and 16, inside from 24
+layout(binding = 5) uniform usamplerBuffer levels; // of edges from bits 0, 8, 16; inside from 24
 #ifdef PHONG_TESSELLATION
 layout(location = 30) uniform float alpha;
 #endif
@@ -29,12 +29,12 @@ patch out uint levelsOfTriangle;
 #ifdef PHONG_TESSELLATION
 patch out vec3 edgeMiddles[3];
 #else
-patch out vec3 edgeThirds[6]; // near corner k, near the next
+patch out vec3 edgeThirds[6]; // of edge k: 2k near corner k, 2k + 1 near the next
 patch out vec3 middle;
 patch out vec3 edgeNormals[3];
 #endif
 
-// The part of a vector along a unit vector or zero.
+// The projection of a vector onto a unit vector; zero if `unit` is zero.
 vec3 partAlong(vec3 vector, vec3 unit)
 {
     precise float size = (vector.x * unit.x + vector.y * unit.y) + vector.z * unit.z;
@@ -72,7 +72,8 @@ void main()
             edgeThirds[2 * k] = nearThird;
             edgeThirds[2 * k + 1] = farThird;
             moved += nearThird + farThird;
-            // The sum of the ends' normals, mirrored in the plane that halves the edge.
+            // The sum of the normals at both ends, reflected in the perpendicular bisector plane of
+            // the edge.
             vec3 unit = direction(edge), sum = normalOfCorner[k].xyz + normalOfCorner[next].xyz;
             edgeNormals[k] = direction(sum - 2.0 * partAlong(sum, unit));
 #endif

@@ -1,7 +1,8 @@
 // The vertices of a smooth triangle. Keep in step with src/mesh/pn.rs and src/mesh/phong.rs.
 //
-// All edges are cut as finely as the inside. Where an edge has a lower level, its vertices move to the
-// level's places, towards the middle, so that both sides of it have the same (src/tessellation/triangle.rs).
+// All edges are tessellated at the level of the inside. If the level of an edge is lower, its
+// vertices move to the positions of that level, towards the middle of the edge. Both triangles at
+// the edge then have the same vertices there (src/tessellation/triangle.rs).
 
 layout(triangles, equal_spacing, ccw) in;
 
@@ -26,7 +27,7 @@ patch in vec3 edgeNormals[3];
 #endif
 
 layout(location = 0) out vec3 passNormal;    // view space, unit length
-layout(location = 1) out vec2 passTessCoord; // texture coordinates; with AOV u and v
+layout(location = 1) out vec2 passTessCoord; // texture coordinates; AOV: weights of corners 1, 2
 layout(location = 2) out vec4 position;      // view space
 #ifdef COLORED
 layout(location = 6) out vec3 passColor;
@@ -35,7 +36,7 @@ layout(location = 6) out vec3 passColor;
 layout(location = 3) flat out uint passPatch;
 #endif
 
-// Weights of the corners: on an edge a whole number of its levels.
+// The barycentric weights of the vertex; on an edge, multiples of 1 over the level of the edge.
 vec3 weights()
 {
     vec3 at = gl_TessCoord;
@@ -48,7 +49,8 @@ vec3 weights()
         : edge == 2 ? vec3(moved.x, 0.0, moved.y) : at;
 }
 
-// Three of something by weights. On an edge one term is zero, and the order of the others does not matter.
+// The weighted sum of three vectors. On an edge one term is zero, and then the order of the others
+// makes no difference to the rounding.
 vec3 mean(vec3 a, vec3 b, vec3 c, vec3 by)
 {
     precise vec3 sum = (a * by.x + b * by.y) + c * by.z;
@@ -79,7 +81,8 @@ void main()
     precise vec3 moved = edges + middle * (6.0 * at.x * at.y * at.z);
     vec3 normal = mean(normalA, normalB, normalC, at * at)
         + mean(edgeNormals[0], edgeNormals[1], edgeNormals[2], at * at.yzx);
-    // Opposite normals: what is linear, then what is flat.
+    // If opposite normals cancel out: the linearly interpolated normal, or else that of the flat
+    // triangle.
     normal = dot(normal, normal) > 1e-8 ? normal : linear;
 #endif
     vec3 flatNormal = cross(b - a, c - a);
@@ -98,7 +101,7 @@ void main()
 #ifdef AOV
     passTessCoord = at.yz;
     passPatch = uint(firstPatch) + triangle;
-    // As surfaces have it: into the triangle.
+    // Inwards, because normals of surfaces are Sv × Su. `common/aov.frag` reverses both.
     passNormal = -passNormal;
 #else
     passTessCoord = at.x * vec2(gl_in[0].gl_Position.w, normalOfTriangle[0].w)

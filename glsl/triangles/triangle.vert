@@ -1,11 +1,12 @@
-// Hands on a corner of a triangle, with the triangle's number: corner i of the buffer belongs to triangle
-// i / 3. gl_PrimitiveID would not do: drivers that divide a draw begin it anew (docs/drivers.md).
+// Passes on a corner of a triangle and the triangle's number: corner i of the buffer belongs to
+// triangle i / 3. gl_PrimitiveID cannot be used, because it restarts where a driver divides a draw
+// (docs/drivers.md).
 
-layout(location = 0) in vec4 corner;   // centred and scaled; s of the texture coordinates
-layout(location = 1) in vec4 normal;   // of unit length or zero; t of the texture coordinates
-// Of flat triangles without these:
-layout(location = 2) in vec3 leaving;  // the normal here that shapes the edge to the next corner
-layout(location = 3) in vec3 arriving; // and the edge from the corner before
+layout(location = 0) in vec4 corner;   // centred and scaled; w is texture coordinate s
+layout(location = 1) in vec4 normal;   // of unit length or zero; w is texture coordinate t
+// The normals at this corner that shape two edges; flat triangles have neither.
+layout(location = 2) in vec3 leaving;  // for the edge to the next corner
+layout(location = 3) in vec3 arriving; // for the edge from the previous corner
 
 #ifdef COLORED
 layout(location = 4) in vec3 color;

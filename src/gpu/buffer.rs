@@ -1,4 +1,4 @@
-//! Buffers of plain values, for control points and trims.
+//! Buffer objects that hold plain values, such as control points, vertices and trims.
 
 use bytemuck::Pod;
 use glow::HasContext;
@@ -6,7 +6,7 @@ use glow::HasContext;
 use super::{Gl, check_memory, create, size_i32};
 use crate::error::{Error, Result};
 
-/// A buffer of plain values in the driver's memory.
+/// A buffer object that holds plain values.
 pub struct Buffer {
     gl: Gl,
     raw: glow::Buffer,
@@ -23,14 +23,14 @@ impl Buffer {
     /// A buffer that holds `values`, which must not be empty.
     ///
     /// # Errors
-    /// No memory for it, or 2 GiB and more are asked for.
+    /// The driver is out of memory, or the values take 2 GiB or more.
     pub fn new<T: Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Self> {
         let data: &[u8] = bytemuck::cast_slice(values);
         size_i32(label, data.len())?;
         // SAFETY: the context is current (see the module); the buffer is new and ours.
         unsafe {
             let raw = create(label, gl.create_named_buffer())?;
-            // Freed by `drop` from here on.
+            // From here on, `drop` deletes it.
             let buffer = Self { gl: gl.clone(), raw, bytes: data.len() };
             gl.named_buffer_data_u8_slice(raw, data, glow::DYNAMIC_DRAW);
             check_memory(gl, label, data.len() as u64)?;
@@ -39,8 +39,8 @@ impl Buffer {
         }
     }
 
-    /// A buffer of `count` values that are made one after the other: all of them together are never in memory
-    /// twice. There must be some.
+    /// A buffer of `count` values, which an iterator yields; `count` must not be 0. Values are
+    /// uploaded in blocks, so that no second copy of all values is in memory.
     ///
     /// # Errors
     /// As [`Buffer::new`].
@@ -74,7 +74,7 @@ impl Buffer {
     /// A buffer for [`Buffer::bind_storage`]; `values` must not be empty.
     ///
     /// # Errors
-    /// As [`Buffer::new`]; more than the driver lets a shader see.
+    /// As [`Buffer::new`], or more bytes than the driver allows in a shader storage block.
     pub fn for_storage<T: Pod>(gl: &Gl, label: &str, values: &[T]) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let max = unsafe { gl.get_parameter_i64(glow::MAX_SHADER_STORAGE_BLOCK_SIZE) };
@@ -88,13 +88,13 @@ impl Buffer {
         Self::new(gl, label, values)
     }
 
-    /// How many bytes it holds.
+    /// The size in bytes.
     #[must_use]
     pub const fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// Overwrites values from the one numbered `first`.
+    /// Overwrites the values from index `first` on.
     ///
     /// # Panics
     /// If the values reach beyond the end of the buffer.
@@ -103,7 +103,7 @@ impl Buffer {
         let data: &[u8] = bytemuck::cast_slice(values);
         assert!(offset + data.len() <= self.bytes, "written beyond the end of a buffer");
         // SAFETY: the context is current (see the module); the range was just checked, and the
-        // whole size fits an i32 since `new`.
+        // buffer's size fits an i32, as was checked when it was created.
         unsafe { self.gl.named_buffer_sub_data_u8_slice(self.raw, offset as i32, data) }
     }
 
@@ -115,7 +115,7 @@ impl Buffer {
         }
     }
 
-    /// Makes this the buffer that transform feedback writes.
+    /// Makes this the buffer that transform feedback writes to.
     pub fn bind_feedback(&self) {
         // SAFETY: the context is current (see the module); the buffer lives as long as `self`.
         unsafe { self.gl.bind_buffer_base(glow::TRANSFORM_FEEDBACK_BUFFER, 0, Some(self.raw)) }
@@ -131,7 +131,7 @@ impl Buffer {
         let mut values = vec![T::zeroed(); count];
         // SAFETY: the context is current (see the module); the range was just checked.
         unsafe {
-            // glow 0.17 has no call that needs no binding.
+            // glow 0.17 lacks `glGetNamedBufferSubData`.
             self.gl.bind_buffer(glow::COPY_READ_BUFFER, Some(self.raw));
             let bytes = bytemuck::cast_slice_mut(&mut values);
             self.gl.get_buffer_sub_data(glow::COPY_READ_BUFFER, 0, bytes);

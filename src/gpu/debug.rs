@@ -1,18 +1,18 @@
-//! What the driver complains of: kept for tests and errors, and logged.
+//! The driver's debug messages: they are logged, and errors are also recorded.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glow::HasContext;
 
-/// The driver's complaints about a context: errors and undefined behaviour are recorded, everything goes
-/// to the log.
+/// The debug messages of a context. Errors and undefined behaviour are recorded; all messages are
+/// logged.
 #[derive(Debug, Clone, Default)]
 pub struct DebugLog {
     errors: Arc<Mutex<Vec<String>>>,
 }
 
 impl DebugLog {
-    /// Installs the callback on a context that nobody shares yet.
+    /// Installs the message callback on a context whose functions nobody else holds yet.
     #[must_use]
     pub fn install(gl: &mut glow::Context) -> Self {
         let log = Self::default();
@@ -36,8 +36,8 @@ impl DebugLog {
         log
     }
 
-    /// Does something while the driver's complaints are switched off, so that they cost no time and are not
-    /// recorded.
+    /// Runs `work` without debug messages, so that they take no time and are not recorded. Clears
+    /// the OpenGL errors of `work`, and leaves debug output switched on.
     pub fn unheard<T>(gl: &glow::Context, work: impl FnOnce() -> T) -> T {
         // SAFETY: the context is current (see the module).
         unsafe {
@@ -49,7 +49,7 @@ impl DebugLog {
         }
     }
 
-    /// Returns the errors since the last call and removes them.
+    /// Removes and returns the recorded errors.
     #[must_use]
     pub fn take_errors(&self) -> Vec<String> {
         std::mem::take(&mut *self.errors.lock().unwrap_or_else(PoisonError::into_inner))

@@ -1,4 +1,4 @@
-//! What the driver is, how much it can do, and whether that is enough.
+//! The driver's names and limits, and whether the limits suffice.
 
 use std::fmt;
 
@@ -17,19 +17,20 @@ pub struct DriverInfo {
     pub version: String,
     /// `GL_SHADING_LANGUAGE_VERSION`.
     pub glsl_version: String,
-    /// `GL_MAX_PATCH_VERTICES`: control points of one patch.
+    /// `GL_MAX_PATCH_VERTICES`: vertices per patch.
     pub max_patch_vertices: i32,
     /// `GL_MAX_TESS_GEN_LEVEL`.
     pub max_tess_level: i32,
-    /// `GL_MAX_TESS_PATCH_COMPONENTS`: components that the control stage passes on for one patch.
+    /// `GL_MAX_TESS_PATCH_COMPONENTS`: components of the control stage's per-patch outputs.
     pub max_patch_components: i32,
-    /// `GL_MAX_TEXTURE_BUFFER_SIZE`: texels of a buffer that shaders fetch from.
+    /// `GL_MAX_TEXTURE_BUFFER_SIZE`: texels of a buffer texture.
     pub max_texel_buffer: i32,
-    /// The largest picture, in pixels a side.
+    /// The maximum width and height of a picture in pixels: the smallest of
+    /// `GL_MAX_RENDERBUFFER_SIZE` and both values of `GL_MAX_VIEWPORT_DIMS`.
     pub max_size: i32,
-    /// `GL_MAX_TEXTURE_SIZE` in texels a side.
+    /// `GL_MAX_TEXTURE_SIZE`: maximum width and height of a texture in texels.
     pub max_texture_size: i32,
-    /// `GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS`: for the trims of the thesis' method.
+    /// `GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS`; the trims of the thesis' method use two.
     pub max_fragment_storage_blocks: i32,
     /// `GL_MAX_SAMPLES`.
     pub max_samples: i32,
@@ -54,7 +55,7 @@ pub struct Need {
 }
 
 impl DriverInfo {
-    /// Whether the driver draws on the CPU: one of Mesa's software drivers.
+    /// Whether the driver draws on the CPU, that is, whether it is one of Mesa's software drivers.
     #[must_use]
     pub fn is_software(&self) -> bool {
         ["llvmpipe", "softpipe", "swr"].iter().any(|name| self.renderer.contains(name))
@@ -63,7 +64,7 @@ impl DriverInfo {
     /// Reads the current context's names and limits.
     #[must_use]
     pub fn of(gl: &glow::Context) -> Self {
-        // SAFETY: the context is current (see the module); all parameters exist since OpenGL 4.3.
+        // SAFETY: the context is current (see the module); the parameters exist since OpenGL 4.3.
         unsafe {
             let mut viewport = [0; 2];
             gl.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport);
@@ -86,9 +87,9 @@ impl DriverInfo {
         }
     }
 
-    /// The limits that must be large enough for anything to be drawn. Every driver of OpenGL 4.5 has at
-    /// least as much by the specification (its tables of implementation-dependent values); one that has not is
-    /// broken.
+    /// The limits that the library relies on, with the minimum that it needs. OpenGL 4.5 guarantees
+    /// all of them (tables of implementation-dependent values in the specification), so only a
+    /// faulty driver has less.
     #[must_use]
     pub fn needs(&self) -> [Need; 5] {
         let need = |what, limit, needed| Need { what, limit, needed };
@@ -96,7 +97,8 @@ impl DriverInfo {
             // A 5×5 patch of the thesis' method.
             need("patch vertices", self.max_patch_vertices, 25),
             need("tessellation level", self.max_tess_level, 64),
-            // 25 homogeneous control points, how the patch is cut and two lengths.
+            // 25 homogeneous control points, two uvec4 that describe the sub-patch, and two
+            // lengths.
             need("numbers of a patch", self.max_patch_components, 110),
             need("texels of a buffer", self.max_texel_buffer, 65_536),
             need("storage blocks in the fragment stage", self.max_fragment_storage_blocks, 2),
@@ -120,7 +122,7 @@ impl DriverInfo {
     }
 }
 
-/// Refuses a context older than OpenGL 4.5, or one that cannot hold what is drawn.
+/// Refuses OpenGL ES, contexts older than OpenGL 4.5, and drivers whose limits are too low.
 pub(crate) fn check_context(gl: &glow::Context) -> Result<()> {
     let version = gl.version();
     if version.is_embedded || (version.major, version.minor) < (4, 5) {

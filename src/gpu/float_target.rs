@@ -1,4 +1,4 @@
-//! Numbers for each pixel, drawn without a window and read back.
+//! Floating-point render targets without a window, which are read back.
 
 use glow::{HasContext, PixelPackData};
 
@@ -6,7 +6,8 @@ use super::framebuffer::Renderbuffer;
 use super::{DriverInfo, Gl, checked_size, create, transfer_plainly};
 use crate::error::{Error, Result};
 
-/// Several images of four 32-bit floats per pixel that one drawing fills, and a 32-bit depth.
+/// A framebuffer object with several colour attachments of four 32-bit floats per pixel, and a
+/// 32-bit depth attachment.
 pub struct FloatTarget {
     gl: Gl,
     raw: glow::Framebuffer,
@@ -27,10 +28,11 @@ impl std::fmt::Debug for FloatTarget {
 }
 
 impl FloatTarget {
-    /// Creates `pictures` single-sample images of `size` pixels. They are not bound.
+    /// Creates a target of the given size with `pictures` single-sample colour attachments. It is
+    /// not bound.
     ///
     /// # Errors
-    /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
+    /// A width or height of 0 or beyond the driver's limit, or no memory.
     pub fn new(gl: &Gl, (width, height): (u32, u32), pictures: u32) -> Result<Self> {
         let size = checked_size("resolution", (width, height), DriverInfo::of(gl).max_size)?;
         let colors = (0..pictures)
@@ -38,7 +40,7 @@ impl FloatTarget {
             .collect::<Result<Vec<_>>>()?;
         let depth = Renderbuffer::new(gl, "depth", glow::DEPTH_COMPONENT32F, size, 1)?;
         // SAFETY: the context is current (see the module); the framebuffer is new and ours, and
-        // freed by `drop` from the moment `Self` holds it.
+        // `drop` deletes it once `Self` holds it.
         unsafe {
             let raw = create("framebuffer", gl.create_named_framebuffer())?;
             let attachments: Vec<u32> =
@@ -65,7 +67,8 @@ impl FloatTarget {
         }
     }
 
-    /// Makes this the target of drawing, over its whole size, filled with zeros and the farthest depth.
+    /// Binds the framebuffer, sets the viewport to its size, and clears it to zeros and depth 1.
+    /// Leaves rasterizer discard off and depth writes on.
     pub fn bind_cleared(&self) {
         // SAFETY: the context is current (see the module); the sizes fitted an i32 in `new`.
         unsafe {
@@ -86,7 +89,8 @@ impl FloatTarget {
         (self.width, self.height)
     }
 
-    /// The pixels of one picture, first row on top.
+    /// The pixels of one attachment, rows from top to bottom. Leaves the framebuffer bound for
+    /// reading.
     #[must_use]
     pub fn read(&self, picture: u32) -> Vec<[f32; 4]> {
         let (width, height) = (self.width as usize, self.height as usize);

@@ -1,4 +1,4 @@
-//! Pictures that are drawn into without a window, and read back.
+//! Render targets without a window, whose pictures are read back.
 
 use glow::{HasContext, PixelPackData};
 
@@ -6,7 +6,7 @@ use super::{DriverInfo, Gl, Texture, check_memory, checked_size, create, transfe
 use crate::error::{Error, Result};
 use crate::scene::Image;
 
-/// A picture that can be drawn into without a window: RGBA with 8 bits each, and a 32-bit depth.
+/// A framebuffer object: RGBA with 8 bits per channel, and a 32-bit depth.
 pub struct Framebuffer {
     gl: Gl,
     raw: glow::Framebuffer,
@@ -15,7 +15,7 @@ pub struct Framebuffer {
     width: u32,
     height: u32,
     samples: u32,
-    /// Where the samples of a pixel are averaged to, if there are several.
+    /// The single-sample framebuffer that multisampled pixels are resolved to.
     resolved: Option<Box<Self>>,
 }
 
@@ -31,16 +31,16 @@ impl std::fmt::Debug for Framebuffer {
 }
 
 impl Framebuffer {
-    /// Creates a picture of `width` × `height` pixels with one sample each. It is not bound.
+    /// Creates a framebuffer of `width` × `height` pixels with one sample each. It is not bound.
     ///
     /// # Errors
-    /// A side of 0 pixels or beyond the driver's limit, or no memory for it.
+    /// A width or height of 0 or beyond the driver's limit, or no memory.
     pub fn new(gl: &Gl, width: u32, height: u32) -> Result<Self> {
         Self::with_samples(gl, width, height, 1)
     }
 
-    /// A picture with `samples` samples per pixel, or more if the driver does not support this number;
-    /// [`Framebuffer::read`] averages them.
+    /// A framebuffer with `samples` samples per pixel, or more if the driver does not support this
+    /// number; [`Framebuffer::read`] averages them.
     ///
     /// # Errors
     /// As [`Framebuffer::new`]; 0 samples, or more than the driver supports
@@ -72,7 +72,7 @@ impl Framebuffer {
     ) -> Result<Self> {
         let Renderbuffer { size: [width, height], samples, .. } = color;
         // SAFETY: the context is current (see the module); the framebuffer is new and ours, and
-        // freed by `drop` from the moment `Self` holds it.
+        // `drop` deletes it once `Self` holds it.
         unsafe {
             let raw = create("framebuffer", gl.create_named_framebuffer())?;
             for (buffer, attachment) in
@@ -104,7 +104,7 @@ impl Framebuffer {
         }
     }
 
-    /// Makes this the target of drawing, over its whole size.
+    /// Binds the framebuffer and sets the viewport to its size.
     pub fn bind(&self) {
         // SAFETY: the context is current (see the module); the sizes fitted an i32 in `new`.
         unsafe {
@@ -119,14 +119,14 @@ impl Framebuffer {
         (self.width, self.height)
     }
 
-    /// Samples per pixel, as asked for.
+    /// The requested number of samples per pixel.
     #[must_use]
     pub const fn samples(&self) -> u32 {
         self.samples
     }
 
-    /// Copies the pixels, each the average of its samples, to the lower left of the picture that
-    /// the context shows in its window.
+    /// Copies the pixels, each the average of its samples, to the lower left corner of the default
+    /// framebuffer (the window).
     pub fn show(&self) {
         if let Some(resolved) = &self.resolved {
             self.copy_to(Some(resolved.raw));
@@ -136,13 +136,15 @@ impl Framebuffer {
         }
     }
 
-    /// Replaces the pixels, which must have one sample each, by those of a picture of the same size.
+    /// Replaces the pixels by those of an image of the same size. The framebuffer must have one
+    /// sample per pixel.
     ///
     /// # Errors
-    /// No memory for it.
+    /// No memory for a copy of the image.
     pub fn write(&self, image: &Image) -> Result<()> {
         let texture = Texture::new(&self.gl, "a picture to be copied", image)?;
-        // SAFETY: the context is current (see the module); the framebuffer is ours and goes with its use.
+        // SAFETY: the context is current (see the module); the framebuffer is ours and
+        // is deleted after its use.
         unsafe {
             let from = create("framebuffer", self.gl.create_named_framebuffer())?;
             let picture = Some(texture.raw());
@@ -153,18 +155,18 @@ impl Framebuffer {
         Ok(())
     }
 
-    /// Copies the colours to a framebuffer of the same size, or to the window's.
+    /// Copies the colours to another framebuffer; `None` is the default one.
     fn copy_to(&self, other: Option<glow::Framebuffer>) {
         self.copy(Some(self.raw), other);
     }
 
-    /// Copies colours from one framebuffer of this size to another.
+    /// Copies colours from one framebuffer to another, in the rectangle of this framebuffer's size.
     fn copy(&self, from: Option<glow::Framebuffer>, to: Option<glow::Framebuffer>) {
         let (width, height) = (self.width as i32, self.height as i32);
-        // SAFETY: the context is current (see the module); both are framebuffers of it, and what lies
-        // outside of one is clipped.
+        // SAFETY: the context is current (see the module); both are its framebuffers. A
+        // blit is clipped to their sizes.
         unsafe {
-            // A blit is clipped by the scissor too.
+            // The scissor test clips blits too.
             let scissor = self.gl.is_enabled(glow::SCISSOR_TEST);
             self.gl.disable(glow::SCISSOR_TEST);
             self.gl.blit_named_framebuffer(
@@ -187,10 +189,8 @@ impl Framebuffer {
         }
     }
 
-    /// The pixels, each the average of its samples, first row on top.
-    ///
-    /// # Panics
-    /// Never: the buffer has the size of the picture.
+    /// The pixels, each the average of its samples, rows from top to bottom. Leaves a framebuffer
+    /// bound for reading.
     #[must_use]
     pub fn read(&self) -> Image {
         let (width, height) = (self.width as i32, self.height as i32);
@@ -230,7 +230,7 @@ impl Drop for Framebuffer {
     }
 }
 
-/// The memory of one attachment.
+/// A renderbuffer: one attachment of a framebuffer.
 pub(super) struct Renderbuffer {
     gl: Gl,
     raw: glow::Renderbuffer,
@@ -247,12 +247,12 @@ impl Renderbuffer {
         samples: u32,
     ) -> Result<Self> {
         let [width, height] = size;
-        // No samples is OpenGL's word for a plain picture.
+        // In OpenGL, 0 samples means a renderbuffer without multisampling.
         let several = if samples > 1 { samples as i32 } else { 0 };
         // SAFETY: the context is current (see the module); the renderbuffer is new and ours.
         unsafe {
             let raw = create(label, gl.create_renderbuffer())?;
-            // Freed by `drop` from here on.
+            // From here on, `drop` deletes it.
             let buffer = Self { gl: gl.clone(), raw, size, samples };
             gl.bind_renderbuffer(glow::RENDERBUFFER, Some(raw));
             let kind = glow::RENDERBUFFER;

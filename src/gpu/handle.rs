@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use glow::HasContext;
 
-/// The handle of an OpenGL context. Everything that is made with the context holds a clone of it.
+/// The handle of an OpenGL context. Every object created in the context holds a clone of it.
 ///
-/// It cannot leave its thread, and neither can anything that holds it. A context of `Headless` lives as long as
-/// the last thing that was made with it.
+/// The handle is not `Send`, and neither is anything that holds it. A context of `Headless` lives
+/// until its last handle is dropped.
 ///
 /// ```compile_fail
 /// fn is_sent<T: Send>() {}
@@ -24,17 +24,17 @@ pub struct Gl {
 }
 
 impl Gl {
-    /// The handle of a context of the caller's.
+    /// The handle of a context that the caller owns.
     ///
     /// # Safety
-    /// The context must be current on the calling thread now, and whenever the handle, or anything made with it, is
-    /// used or dropped.
+    /// The context must be current on the calling thread now, and whenever the handle, or anything
+    /// created with it, is used or dropped.
     #[must_use]
     pub unsafe fn new(functions: impl Into<Arc<glow::Context>>) -> Self {
         Self { functions: functions.into(), _owner: None }
     }
 
-    /// The handle of a context that lives as long as its owner.
+    /// The handle of a context that lives as long as `owner`, which the handle keeps alive.
     #[cfg(feature = "headless")]
     pub(crate) fn owned(functions: glow::Context, owner: Rc<dyn Any>) -> Self {
         Self { functions: functions.into(), _owner: Some(owner) }
@@ -47,7 +47,7 @@ impl Gl {
         unsafe { self.functions.finish() }
     }
 
-    /// The functions, as other crates take them.
+    /// The OpenGL functions in the type that other crates, such as egui's painter, take.
     #[must_use]
     pub const fn functions(&self) -> &Arc<glow::Context> {
         &self.functions

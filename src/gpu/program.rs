@@ -1,4 +1,5 @@
-//! Programs from parts of GLSL, with errors that name stage, file and line.
+//! Shader programs assembled from GLSL files, with errors that name the stage, the file and the
+//! line.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -10,7 +11,7 @@ use super::Gl;
 use super::create;
 use crate::error::{Error, Result};
 
-/// A stage of the pipeline.
+/// A shader stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StageKind {
     /// Vertex.
@@ -50,13 +51,13 @@ impl StageKind {
 /// One file of GLSL; it has no `#version` line.
 #[derive(Debug, Clone)]
 pub struct ShaderPart {
-    /// Name of the file, for the errors.
+    /// The name of the file, for errors.
     pub file: &'static str,
     /// Its text.
     pub text: Cow<'static, str>,
 }
 
-/// A stage made of parts, one after the other.
+/// A shader stage, concatenated from files.
 #[derive(Debug, Clone)]
 pub struct Stage {
     /// Which stage.
@@ -77,7 +78,7 @@ impl std::fmt::Debug for Program {
     }
 }
 
-/// A compiled stage until the program is linked.
+/// A compiled stage; needed until the program is linked.
 struct Shader<'a> {
     gl: &'a glow::Context,
     raw: glow::Shader,
@@ -85,18 +86,20 @@ struct Shader<'a> {
 
 impl Drop for Shader<'_> {
     fn drop(&mut self) {
-        // SAFETY: the context is current (see the module); a linked program keeps what it needs.
+        // SAFETY: the context is current (see the module); a linked program no longer needs
+        // its shaders.
         unsafe { self.gl.delete_shader(self.raw) }
     }
 }
 
 impl Program {
-    /// Compiles each stage, checking one before the next, and links them. `defines` are the names
-    /// and values of `#define` lines that stand before every stage, `kept` the outputs of the last stage
-    /// before the fragments that transform feedback can keep.
+    /// Compiles the stages and links them. `defines` are names and values of `#define` lines at the
+    /// beginning of every stage. `kept` are the outputs of the last stage before the fragment stage
+    /// that transform feedback captures.
     ///
     /// # Errors
-    /// The stage, its files and the driver's log, or the driver's reason for not linking.
+    /// A stage does not compile; the error names its files and has the driver's log. Or the stages
+    /// do not link.
     pub fn new(
         gl: &Gl,
         label: &str,
@@ -108,8 +111,8 @@ impl Program {
         for stage in stages {
             shaders.push(compile(gl, defines, stage)?);
         }
-        // SAFETY: the context is current (see the module); the program is new and ours, freed by
-        // `drop` from the moment `Self` holds it.
+        // SAFETY: the context is current (see the module); the program is new and ours, and `drop`
+        // deletes it once `Self` holds it.
         unsafe {
             let program = Self { gl: gl.clone(), raw: create(label, gl.create_program())? };
             for shader in &shaders {
@@ -146,7 +149,8 @@ impl Program {
         unsafe { self.gl.get_uniform_location(self.raw, name) }.map(|location| location.0)
     }
 
-    /// The integer that a uniform holds, such as the unit of a sampler.
+    /// The value of an integer uniform, such as the texture unit of a sampler. `None` if the linked
+    /// program does not use it.
     #[must_use]
     pub fn uniform_i32(&self, name: &str) -> Option<i32> {
         let location = NativeUniformLocation(self.uniform_location(name)?);
@@ -156,7 +160,7 @@ impl Program {
         Some(value[0])
     }
 
-    /// The number under which the driver knows the program.
+    /// The OpenGL name of the program.
     #[must_use]
     pub const fn raw(&self) -> glow::Program {
         self.raw
@@ -165,8 +169,8 @@ impl Program {
     /// Sets a `mat4`.
     pub fn set_mat4(&self, location: u32, value: &Mat4) {
         let location = NativeUniformLocation(location);
-        // SAFETY: the context is current (see the module); a location that the program does not
-        // have is an error the driver reports.
+        // SAFETY: the context is current (see the module); for a location that the program
+        // does not have, the driver only reports an error.
         unsafe {
             self.gl.program_uniform_matrix_4_f32_slice(
                 self.raw,
@@ -238,7 +242,8 @@ fn compile<'a>(
 ) -> Result<Shader<'a>> {
     let source = assemble(defines, &stage.parts);
     let name = stage.kind.name();
-    // SAFETY: the context is current (see the module); the shader is new and ours, freed by `drop`.
+    // SAFETY: the context is current (see the module); the shader is new and ours, and
+    // `drop` deletes it.
     unsafe {
         let shader = Shader { gl, raw: create(name, gl.create_shader(stage.kind.gl()))? };
         gl.shader_source(shader.raw, &source);
@@ -254,11 +259,13 @@ fn compile<'a>(
     }
 }
 
-/// Line numbers of a part begin at its place times this: drivers give lines in their logs, but not
-/// all of them the number of the source that `#line` can name.
+/// The lines of the file with index i are numbered from i times this, plus 1. The file could also
+/// be identified by the source string number that `#line` can set, but not all drivers print that
+/// in their logs.
 const LINES_PER_PART: usize = 10_000;
 
-/// Version, defines, then the parts, each under a `#line` that tells its place.
+/// The source of a stage: version, defines, then the files, each after a `#line` that sets its line
+/// numbers.
 fn assemble(defines: &[(&str, u32)], parts: &[ShaderPart]) -> String {
     let mut source = String::from("#version 450 core\n");
     for (name, value) in defines {
@@ -272,8 +279,9 @@ fn assemble(defines: &[(&str, u32)], parts: &[ShaderPart]) -> String {
     source
 }
 
-/// Drivers begin a line of their log with a source and a line, as `0:12(5):` or `0(12) :`; put the
-/// file's name and its own line there.
+/// Replaces source string and line numbers in a driver's log by the name of the file and its own
+/// line numbers. Drivers begin the lines of their logs with these numbers, as `0:12(5):` or `0(12)
+/// :`.
 fn with_file_names(log: &str, parts: &[ShaderPart]) -> String {
     let named = |line: &str| {
         let number = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();

@@ -1,4 +1,4 @@
-//! Values that shaders fetch by their number.
+//! Buffer textures: values that shaders fetch by index.
 
 use bytemuck::Pod;
 use glam::Vec4;
@@ -7,8 +7,8 @@ use glow::HasContext;
 use super::{Buffer, Gl, create};
 use crate::error::{Error, Result};
 
-/// A buffer that shaders read through buffer textures: as words (`R32UI`), as four floats at a time
-/// (`RGBA32F`), or as both.
+/// A buffer that shaders read through buffer textures: as 32-bit words (`R32UI`), as texels of four
+/// floats (`RGBA32F`), or both. Each of the two is called a view.
 pub struct TexelBuffer {
     gl: Gl,
     views: Vec<glow::Texture>,
@@ -22,18 +22,18 @@ impl std::fmt::Debug for TexelBuffer {
 }
 
 impl TexelBuffer {
-    /// A buffer of words, of which there must be some, with both views.
+    /// A buffer of 32-bit words with both views; `words` must not be empty.
     ///
     /// # Errors
-    /// More words than the driver's buffer textures have texels, no memory.
+    /// More words than a buffer texture of the driver can have texels, or no memory.
     pub fn of_words(gl: &Gl, label: &str, words: &[u32]) -> Result<Self> {
         Self::new(gl, label, words, &[glow::R32UI, glow::RGBA32F])
     }
 
-    /// A buffer of vectors, of which there must be some.
+    /// A buffer of vectors with a view of four floats per texel; `vectors` must not be empty.
     ///
     /// # Errors
-    /// More than the driver's buffer textures have texels, no memory.
+    /// More vectors than a buffer texture of the driver can have texels, or no memory.
     pub fn of_vectors(gl: &Gl, label: &str, vectors: &[Vec4]) -> Result<Self> {
         Self::new(gl, label, vectors, &[glow::RGBA32F])
     }
@@ -48,15 +48,15 @@ impl TexelBuffer {
             });
         }
         let buffer = Buffer::new(gl, label, values)?;
-        // What is made is freed by `drop`, also if the next view fails.
+        // From here on, `drop` deletes what exists, also if the next view fails.
         let mut texels = Self { gl: gl.clone(), views: Vec::new(), buffer };
         for format in formats {
-            // SAFETY: the context is current (see the module); the texture is new and ours, and the
-            // buffer lives as long as it.
+            // SAFETY: the context is current (see the module); the texture is new and ours,
+            // and the buffer lives as long as the texture.
             unsafe {
                 let raw = create(label, gl.create_named_texture(glow::TEXTURE_BUFFER))?;
                 texels.views.push(raw);
-                // glow 0.17 has no call that needs no binding.
+                // glow 0.17 lacks `glTextureBuffer`.
                 gl.bind_texture(glow::TEXTURE_BUFFER, Some(raw));
                 gl.tex_buffer(glow::TEXTURE_BUFFER, *format, Some(texels.buffer.raw()));
                 gl.bind_texture(glow::TEXTURE_BUFFER, None);
@@ -66,13 +66,13 @@ impl TexelBuffer {
         Ok(texels)
     }
 
-    /// The values themselves, to be overwritten or to be drawn from.
+    /// The underlying buffer object, for overwriting values or as vertex input.
     #[must_use]
     pub const fn buffer(&self) -> &Buffer {
         &self.buffer
     }
 
-    /// Binds the views to texture units from this one on, words before vectors.
+    /// Binds the views to consecutive texture units from `unit` on: the words, then the vectors.
     pub fn bind(&self, unit: u32) {
         for (unit, view) in (unit..).zip(&self.views) {
             // SAFETY: the context is current (see the module); the textures live as long as `self`.

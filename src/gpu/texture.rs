@@ -1,4 +1,4 @@
-//! Pictures on surfaces, uploaded with their smaller levels.
+//! Textures of surfaces, with mipmaps.
 
 use std::borrow::Cow;
 
@@ -8,8 +8,8 @@ use super::{Gl, check_memory, checked_size, create, size_i32, transfer_plainly};
 use crate::error::Result;
 use crate::scene::Image;
 
-/// A picture in the driver's memory: RGBA, 8 bits each, taken as they are (no sRGB), bilinear, with
-/// smaller levels for the distance, clamped to its edges unless it repeats.
+/// A texture: RGBA with 8 bits per channel, without conversion from sRGB. Filtering is trilinear.
+/// Coordinates are clamped to the edge unless the texture repeats.
 pub struct Texture {
     gl: Gl,
     raw: glow::Texture,
@@ -27,15 +27,15 @@ impl Texture {
         self.raw
     }
 
-    /// Whether some of its pixels are transparent.
+    /// Whether any texel has an alpha below 1.
     pub(crate) const fn has_holes(&self) -> bool {
         self.has_holes
     }
 
-    /// Uploads a picture; its first row becomes v = 1.
+    /// Uploads an image; its first row is at v = 1.
     ///
     /// # Errors
-    /// A picture without pixels or larger than the driver's textures, no memory for it.
+    /// An image without pixels or larger than the driver allows, or no memory.
     pub fn new(gl: &Gl, label: &str, image: &Image) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let max = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_SIZE) };
@@ -50,8 +50,8 @@ impl Texture {
             Self { gl: gl.clone(), raw, has_holes }
         };
         check_memory(gl, label, image.len() as u64)?;
-        // The smaller levels are made here: drivers are free in how they make them, and Mesa's
-        // software driver compiles a shader for each, which takes a hundred times as long.
+        // Mipmaps are made here: OpenGL does not specify how drivers make them, and Mesa's software
+        // driver compiles a shader for each level, which takes far longer (ARCHITECTURE.md).
         let mut image = Cow::Borrowed(image);
         texture.upload(0, &image);
         for level in 1..levels {
@@ -74,7 +74,7 @@ impl Texture {
         Ok(texture)
     }
 
-    /// Lets the picture repeat beyond its edges.
+    /// Makes the texture repeat.
     #[must_use]
     pub(crate) fn repeating(self) -> Self {
         // SAFETY: the context is current (see the module); the texture is ours.
@@ -86,7 +86,7 @@ impl Texture {
         self
     }
 
-    /// Uploads one level, whose size the image must have.
+    /// Uploads one mipmap level. The image must have the level's size.
     fn upload(&self, level: u32, image: &Image) {
         let row = 4 * image.width() as usize;
         let bottom_up: Vec<u8> = image.chunks_exact(row).rev().flatten().copied().collect();

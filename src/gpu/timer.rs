@@ -1,4 +1,4 @@
-//! How long the driver's device works, by its own clock.
+//! Times on the clock of the device that draws (GPU time).
 
 use std::time::Duration;
 
@@ -8,8 +8,9 @@ use super::Gl;
 use super::create;
 use crate::error::Result;
 
-/// A clock of the device for what it is told between two moments. (Timestamps, because Mesa's software
-/// driver mistakes its clock's reading for the time that elapsed.)
+/// Two timestamp queries, between which the device's time is measured. (Not a `GL_TIME_ELAPSED`
+/// query: for that, Mesa's software driver returns the reading of its clock instead of a
+/// difference.)
 pub struct Timer {
     gl: Gl,
     moments: [glow::Query; 2],
@@ -22,10 +23,10 @@ impl std::fmt::Debug for Timer {
 }
 
 impl Timer {
-    /// A clock that stands.
+    /// Creates the queries.
     ///
     /// # Errors
-    /// The driver has no query.
+    /// The driver cannot create a query.
     pub fn new(gl: &Gl) -> Result<Self> {
         // SAFETY: the context is current (see the module); the queries are new and ours.
         let moments =
@@ -33,13 +34,13 @@ impl Timer {
         Ok(Self { gl: gl.clone(), moments })
     }
 
-    /// Does something, waits for the device, and tells how long the device was at it.
+    /// Runs `work`, waits for the device, and returns the time that the device took for it.
     ///
     /// # Errors
-    /// That of `work`.
+    /// The error of `work`.
     pub fn time<E>(&self, work: impl FnOnce() -> Result<(), E>) -> Result<Duration, E> {
-        // SAFETY: the context is current (see the module); what is asked for was queried, and asking waits
-        // for the answer.
+        // SAFETY: the context is current (see the module); both queries were issued, and
+        // reading their results waits for them.
         unsafe {
             self.gl.query_counter(self.moments[0], glow::TIMESTAMP);
             work()?;

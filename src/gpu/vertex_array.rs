@@ -1,4 +1,4 @@
-//! The layouts of vertices, as the structs that are uploaded declare them.
+//! Vertex array objects: the layouts of vertices, as declared by the structs that are uploaded.
 
 use bytemuck::Pod;
 use glow::HasContext;
@@ -6,19 +6,19 @@ use glow::HasContext;
 use super::{Buffer, Gl, create};
 use crate::error::Result;
 
-/// A vertex as it lies in a buffer.
+/// A vertex as it is stored in a buffer.
 pub(crate) trait Vertex: Pod {
-    /// What the vertex stage reads of it.
+    /// The attributes that the vertex stage reads.
     const ATTRIBUTES: &'static [Attribute];
 }
 
-/// Numbers of a vertex that the vertex stage reads at a location.
+/// One vertex attribute: components of a vertex that the vertex stage reads at a location.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Attribute {
     location: u32,
     kind: u32,
     count: i32,
-    /// Bytes before them in the vertex.
+    /// Offset in the vertex in bytes.
     offset: usize,
 }
 
@@ -34,10 +34,10 @@ impl Attribute {
     }
 }
 
-/// The location of the colours that lie in a buffer of their own.
+/// The location of the colours, which are in a separate buffer.
 const COLORS: u32 = 4;
 
-/// How vertices lie in the buffer that they are drawn from, which changes from draw to draw.
+/// A vertex array object for one type of vertex. The buffers are set before each draw.
 pub(crate) struct VertexArray {
     gl: Gl,
     raw: glow::VertexArray,
@@ -51,10 +51,10 @@ impl std::fmt::Debug for VertexArray {
 }
 
 impl VertexArray {
-    /// The layout of a kind of vertices.
+    /// Creates the layout of a type of vertex.
     ///
     /// # Errors
-    /// The driver has no vertex array.
+    /// The driver cannot create a vertex array.
     pub(crate) fn of<V: Vertex>(gl: &Gl, label: &str) -> Result<Self> {
         // SAFETY: the context is current (see the module); the array is new and ours.
         unsafe {
@@ -76,7 +76,7 @@ impl VertexArray {
         }
     }
 
-    /// Reads colours of four bytes from a buffer of their own, or none. The array must be bound.
+    /// Sets the buffer of the colours, four bytes each, or disables them. The array must be bound.
     pub(crate) fn bind_colors(&self, colors: Option<&Buffer>) {
         let raw = colors.map(Buffer::raw);
         // SAFETY: the context is current (see the module); both objects live.
@@ -85,13 +85,13 @@ impl VertexArray {
             if raw.is_some() {
                 self.gl.enable_vertex_array_attrib(self.raw, COLORS);
             } else {
-                // glow 0.17 has no call that needs no binding.
+                // glow 0.17 lacks `glDisableVertexArrayAttrib`.
                 self.gl.disable_vertex_attrib_array(COLORS);
             }
         }
     }
 
-    /// Binds the layout with a buffer of such vertices.
+    /// Binds the layout with a buffer of its vertices.
     pub(crate) fn bind(&self, buffer: &Buffer) {
         // SAFETY: the context is current (see the module); both objects live.
         unsafe {
@@ -100,17 +100,17 @@ impl VertexArray {
         }
     }
 
-    /// Binds the layout with a buffer of such vertices and one of indices.
+    /// Binds the layout with a buffer of its vertices and a buffer of indices.
     pub(crate) fn bind_indexed(&self, vertices: &Buffer, indices: &Buffer) {
         // SAFETY: the context is current (see the module); both objects live.
         unsafe { self.gl.vertex_array_element_buffer(self.raw, Some(indices.raw())) }
         self.bind(vertices);
     }
 
-    /// Binds no vertex array.
+    /// Detaches all buffers from this layout, and binds no vertex array.
     pub(crate) fn unbind(&self) {
-        // SAFETY: the context is current (see the module). The array must not keep a buffer alive
-        // that its owner deletes.
+        // Detached because the array would otherwise keep the memory of deleted buffers alive.
+        // SAFETY: the context is current (see the module).
         unsafe {
             self.gl.vertex_array_vertex_buffer(self.raw, 0, None, 0, self.bytes);
             self.gl.vertex_array_vertex_buffer(self.raw, 1, None, 0, 4);

@@ -1,4 +1,4 @@
-//! Contexts through EGL devices, without a surface.
+//! Contexts on EGL devices, without a window or another EGL surface.
 
 use std::ffi::{CStr, c_void};
 
@@ -12,15 +12,16 @@ use glutin::context::{
 };
 use glutin::display::GlDisplay as _;
 
-/// A context that is current until it is dropped.
+/// A context, made current by [`Context::new`]. After it is dropped, no context is current.
 pub(super) struct Context {
-    /// `None` only while it is dropped.
+    /// `None` only in `drop`. (The type's name is glutin's; another context may be current.)
     current: Option<PossiblyCurrentContext>,
     display: Display,
 }
 
 impl Context {
-    /// The first device that gives a 4.5 core context, hardware before software.
+    /// A context on the first device that gives a 4.5 core context; hardware devices are tried
+    /// before software ones.
     pub(super) fn new() -> Result<(Self, glow::Context), String> {
         let mut devices: Vec<Device> =
             Device::query_devices().map_err(|error| format!("EGL: {error}"))?.collect();
@@ -58,7 +59,7 @@ impl Context {
         let context = unsafe { display.create_context(&config, &attributes)? };
         let context = context.make_current_surfaceless()?;
         let context = Self { current: Some(context), display };
-        // SAFETY: the context is current, so the functions that EGL names are its own.
+        // SAFETY: the context is current, so EGL returns its functions.
         let gl =
             unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
         Ok((context, gl))

@@ -8,9 +8,10 @@ use crate::renderer::{Frame, Renderer};
 use crate::scene::{Image, Samples, Scene};
 use crate::tessellation::FrameStats;
 
-/// A headless context with a renderer and a framebuffer: draws one picture after the other.
+/// A headless context with a renderer and a framebuffer, which draws pictures.
 ///
-/// For pictures of scenes [`Offscreen::render`] is enough. The parts are there for everything else.
+/// [`Offscreen::render`] draws a scene. Everything else is done with the parts, which the other
+/// methods return. As for every object, the context must be current when this is used or dropped.
 #[derive(Debug)]
 pub struct Offscreen {
     target: Framebuffer,
@@ -21,7 +22,8 @@ pub struct Offscreen {
 }
 
 impl Offscreen {
-    /// Pictures of the given width and height in pixels, by EGL or OSMesa, whichever there is.
+    /// For pictures of the given width and height in pixels, in a context from EGL or, if EGL gives
+    /// none, from OSMesa.
     ///
     /// # Errors
     /// As [`Headless::new`] and [`Framebuffer::new`].
@@ -29,7 +31,7 @@ impl Offscreen {
         Self::in_context(Headless::new(Backend::Auto)?, width, height)
     }
 
-    /// The same in a context that is there already. It must be current.
+    /// The same in a given context, which must be current.
     ///
     /// # Errors
     /// As [`Framebuffer::new`].
@@ -38,7 +40,7 @@ impl Offscreen {
         Self::with_renderer(context, renderer, width, height)
     }
 
-    /// The same with a renderer of that context.
+    /// The same with a given renderer of that context.
     ///
     /// # Errors
     /// As [`Framebuffer::new`].
@@ -52,7 +54,7 @@ impl Offscreen {
         Ok(Self { target, samples: Samples::default(), renderer, context })
     }
 
-    /// The picture of a scene, from its camera and as its settings ask for, and what was drawn.
+    /// The picture of a scene with its own camera and settings, and statistics.
     ///
     /// # Errors
     /// As [`PreparedScene::new`] and [`Offscreen::picture`].
@@ -63,18 +65,19 @@ impl Offscreen {
         Ok((image, prepared.stats()))
     }
 
-    /// The picture of a frame of the whole target. Where the frame asks for more samples than the driver has,
-    /// `progress` is told how many of how many drawings are done.
+    /// The picture of a frame. It has the size of the target, whatever the frame's viewport is. If
+    /// the frame needs more samples per pixel than the driver supports, the scene is drawn once for
+    /// each sample. `progress` is called with the number of finished passes and the total.
     ///
     /// # Errors
-    /// As [`PreparedScene::picture`]; what the driver complains of.
+    /// As [`PreparedScene::picture`], or the driver reports an error.
     pub fn picture(
         &mut self,
         prepared: &mut PreparedScene,
         frame: &Frame,
         progress: impl FnMut(u32, u32),
     ) -> Result<Image> {
-        // Complaints of earlier pictures are not this one's.
+        // Errors of earlier pictures must not be attributed to this one.
         let _ = self.context.debug_log().take_errors();
         self.set_samples(frame.settings.samples)?;
         let image = prepared.picture(&mut self.renderer, &self.target, frame, progress)?;
@@ -85,7 +88,7 @@ impl Offscreen {
         Ok(image)
     }
 
-    /// Gives the target this number of samples per pixel.
+    /// Replaces the target by one for this number of samples per pixel, unless it is one already.
     ///
     /// # Errors
     /// As [`Framebuffer::for_samples`].
@@ -97,10 +100,11 @@ impl Offscreen {
         Ok(())
     }
 
-    /// Fails if the driver has complained since it was last asked; `what` names what it was doing.
+    /// Fails if the driver has reported errors since they were last taken from the log. `what`
+    /// names the operation, for the message.
     ///
     /// # Errors
-    /// [`Error::Driver`] with all complaints.
+    /// [`Error::Driver`] with all reported errors.
     pub fn check_complaints(&self, what: impl FnOnce() -> String) -> Result<()> {
         let complaints = self.context.debug_log().take_errors();
         if complaints.is_empty() {
@@ -109,7 +113,8 @@ impl Offscreen {
         Err(Error::Driver { what: what(), reason: complaints.join("; ") })
     }
 
-    /// The framebuffer. It has as many samples as the last picture asked for.
+    /// The framebuffer. It was made for the number of samples of the last picture, and has one
+    /// sample per pixel if the driver does not support that number.
     #[must_use]
     pub const fn target(&self) -> &Framebuffer {
         &self.target

@@ -1,5 +1,5 @@
-//! Contexts through Mesa's off-screen library, loaded at run time: few machines have it, and none
-//! needs it where EGL works.
+//! Contexts from OSMesa, Mesa's off-screen library. It is loaded at run time, because few machines
+//! have it, and it is not needed where EGL works.
 
 use std::cell::UnsafeCell;
 use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
@@ -23,8 +23,8 @@ const NAMES: [&str; 3] = ["libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"];
 type RawContext = *mut c_void;
 type Proc = Option<unsafe extern "C" fn()>;
 
-/// The library's functions; it stays loaded until the process ends, because every OpenGL function
-/// pointer leads into it.
+/// OSMesa's functions. The library stays loaded until the process ends, because all OpenGL function
+/// pointers point into it.
 struct Functions {
     create: unsafe extern "C" fn(*const c_int, RawContext) -> RawContext,
     destroy: unsafe extern "C" fn(RawContext),
@@ -57,11 +57,12 @@ fn load() -> Result<Functions, String> {
     }
 }
 
-/// A context that is current until it is dropped.
+/// A context, made current by [`Context::new`]. After it is dropped, no context is current.
 pub(super) struct Context {
     functions: &'static Functions,
     raw: RawContext,
-    /// OSMesa cannot be current without a picture; the library draws into its own framebuffers.
+    /// The colour buffer, without which OSMesa makes no context current. It is the default
+    /// framebuffer; pictures are drawn into framebuffer objects instead.
     pixel: Box<UnsafeCell<[u8; 4]>>,
 }
 
@@ -78,14 +79,14 @@ impl Context {
         let mut list: Vec<c_int> =
             attributes.iter().flat_map(|(key, value)| [*key, *value]).collect();
         list.push(0);
-        // SAFETY: the list is pairs of key and value with a 0 after the last.
+        // SAFETY: the list consists of pairs of key and value, and ends with a 0.
         let raw = unsafe { (functions.create)(list.as_ptr(), std::ptr::null_mut()) };
         if raw.is_null() {
             return Err("OSMesa: it gives no OpenGL 4.5 core context".into());
         }
         let context = Self { functions, raw, pixel: Box::new(UnsafeCell::new([0; 4])) };
         context.make_current()?;
-        // SAFETY: the context is current, so the functions that OSMesa names are its own.
+        // SAFETY: the context is current, so OSMesa returns its functions.
         let gl =
             unsafe { glow::Context::from_loader_function_cstr(|name| context.proc_address(name)) };
         Ok((context, gl))
@@ -93,8 +94,8 @@ impl Context {
 
     pub(super) fn make_current(&self) -> Result<(), String> {
         let pixel = self.pixel.get().cast();
-        // SAFETY: the buffer holds one RGBA pixel, lives as long as the context, and is OSMesa's
-        // alone to write.
+        // SAFETY: the buffer holds one RGBA pixel, lives as long as the context, and only
+        // OSMesa accesses it.
         let made =
             unsafe { (self.functions.make_current)(self.raw, pixel, GL_UNSIGNED_BYTE, 1, 1) };
         if made == 0 {
@@ -112,8 +113,8 @@ impl Context {
 
 impl Drop for Context {
     fn drop(&mut self) {
-        // SAFETY: the context came from this library and is destroyed once; a null context releases
-        // the current one first.
+        // SAFETY: the context came from this library and is destroyed once. Making
+        // a null context current first releases the current one.
         unsafe {
             (self.functions.make_current)(std::ptr::null_mut(), std::ptr::null_mut(), 0, 0, 0);
             (self.functions.destroy)(self.raw);

@@ -1,4 +1,4 @@
-//! Which files of `glsl/` each stage of a program is made of, in their order.
+//! The files of `glsl/` that make up each stage of a program, in order.
 
 use super::Pipeline;
 use crate::gpu::StageKind::{self, Fragment, Geometry, TessControl, TessEvaluation, Vertex};
@@ -15,21 +15,22 @@ pub(super) struct Ingredient {
 #[derive(Clone, Copy)]
 enum When {
     Always,
-    /// A colour is made, or nothing but triangles.
+    /// The output is a picture or captured triangles.
     Picture,
-    /// Numbers are written.
+    /// The output is AOVs.
     Aovs,
-    /// A picture is lit by the lamps.
+    /// The output is not AOVs, and the shading is Phong's.
     Lit,
-    /// Something may be cut.
+    /// There are trims.
     Trimmed,
-    /// Normals are evaluated at pixels.
+    /// Normals are evaluated per pixel.
     PixelNormals,
-    /// The fragment stage needs a normal: in a picture, or evaluated at pixels.
+    /// The fragment stage calls `normalAt`: the output is not AOVs, or normals are evaluated per
+    /// pixel.
     Normal,
 }
 
-/// Properties that decide about the files of a program.
+/// Properties of a program that determine its files.
 pub(super) struct Facts {
     pub(super) aovs: bool,
     pub(super) phong: bool,
@@ -57,7 +58,7 @@ macro_rules! recipe {
     };
 }
 
-/// The name of a pipeline in messages, and its files.
+/// The name of a pipeline for messages, and its files.
 pub(super) const fn recipe(pipeline: Pipeline) -> (&'static str, &'static [Ingredient]) {
     match pipeline {
         Pipeline::Thesis(_) => ("thesis surface", THESIS),
