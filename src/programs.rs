@@ -368,7 +368,11 @@ impl Sources {
             Pipeline::Triangles { .. } | Pipeline::Static(_) => 3,
             Pipeline::Points => 1,
         };
-        let mut defines = vec![("SIDE", side as u32)];
+        let samples = match key.pipeline {
+            Pipeline::Exact { samples, .. } if key.output != Output::Aovs => samples,
+            _ => 1,
+        };
+        let mut defines = vec![("SIDE", side as u32), ("SAMPLES", samples)];
         let mut facts = Facts {
             aovs: key.output == Output::Aovs,
             phong: key.shading == Shading::Phong,
@@ -376,8 +380,7 @@ impl Sources {
             pixel_normals: false,
         };
         let mut on: Vec<(&'static str, bool)> = Vec::new();
-        if let Pipeline::Exact { samples, patches, shared, normals, .. } = key.pipeline {
-            defines.push(("SAMPLES", if facts.aovs { 1 } else { samples }));
+        if let Pipeline::Exact { patches, shared, normals, .. } = key.pipeline {
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
             on.extend([

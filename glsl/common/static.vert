@@ -21,7 +21,9 @@ layout(location = 4) out vec2 passUVCoord; // read by the thesis' fragment stage
 
 void main()
 {
-    passNormal = normalize(mat3(viewMatrix) * vertexNormal.xyz);
+    vec3 normal = mat3(viewMatrix) * vertexNormal.xyz;
+    float size = dot(normal, normal);
+    passNormal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
     passTessCoord = vec2(vertexPosition.w, vertexNormal.w);
     position = viewMatrix * vec4(vertexPosition.xyz, 1.0);
     gl_Position = projectionMatrix * position;

@@ -43,7 +43,12 @@ impl DebugLog {
         unsafe {
             gl.disable(glow::DEBUG_OUTPUT);
             let done = work();
-            while gl.get_error() != glow::NO_ERROR {}
+            // A lost context may report errors without end.
+            for _ in 0..8 {
+                if gl.get_error() == glow::NO_ERROR {
+                    break;
+                }
+            }
             gl.enable(glow::DEBUG_OUTPUT);
             done
         }

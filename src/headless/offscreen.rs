@@ -11,14 +11,15 @@ use crate::tessellation::FrameStats;
 /// A headless context with a renderer and a framebuffer, which draws pictures.
 ///
 /// [`Offscreen::render`] draws a scene. Everything else is done with the parts, which the other
-/// methods return. As for every object, the context must be current when this is used or dropped.
+/// methods return. The context must be current when this is used; dropping this makes it current.
 #[derive(Debug)]
 pub struct Offscreen {
+    /// Dropped first: it makes itself current, and the others are deleted in it.
+    context: Headless,
     target: Framebuffer,
     /// The number of samples that the target was made for.
     samples: Samples,
     renderer: Renderer,
-    context: Headless,
 }
 
 impl Offscreen {

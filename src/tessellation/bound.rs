@@ -72,6 +72,15 @@ impl Screen {
     pub(super) const fn near(&self) -> f64 {
         self.near
     }
+
+    /// The part of the tolerance that the error of rounding leaves to subdivision.
+    #[inline(always)]
+    pub(super) fn left_by<T: Number>(&self, rounding: T) -> T {
+        let all = |value| T::all(rounding.token(), value);
+        let left = all(SHARE * self.tolerance - SUBPIXEL) - rounding;
+        // If rounding uses up the tolerance, more triangles do not help.
+        all(0.1 * self.tolerance).choose_at_most(left, [left, all(0.5 * self.tolerance)])
+    }
 }
 
 /// Upper bounds of the errors that rounding to `f32` causes in the clip coordinates of a surface's
@@ -155,12 +164,7 @@ impl<T: Number> Bound<T> {
     /// is known.
     #[inline(always)]
     pub(crate) fn levels(&self, screen: &Screen) -> [T; 2] {
-        let all = |value| T::all(self.rounding.token(), value);
-        let tolerance = screen.tolerance;
-        let left = all(SHARE * tolerance - SUBPIXEL) - self.rounding;
-        // If rounding leaves too little, the cells get half of the tolerance.
-        let left = all(0.1 * tolerance).choose_at_most(left, [left, all(0.5 * tolerance)]);
-        self.curvature.levels(left)
+        self.curvature.levels(screen.left_by(self.rounding))
     }
 }
 

@@ -103,10 +103,7 @@ impl TriangleBound {
 
     /// The level that it needs without regard to its neighbours.
     pub(crate) fn level(&self, screen: &Screen) -> u8 {
-        let tolerance = screen.tolerance();
-        let left = tolerance - SUBPIXEL - self.rounding;
-        // If rounding uses up the tolerance, more triangles do not help.
-        let left = if left > 0.1 * tolerance { left } else { 0.5 * tolerance };
+        let left = screen.left_by(self.rounding);
         (INSIDE * self.curvature / left).sqrt().ceil().clamp(1.0, MAX_LEVELS) as u8
     }
 

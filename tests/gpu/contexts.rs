@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use freeform_surface::inspect::Timer;
 use freeform_surface::{
-    Backend, Error, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Samples, Scene,
-    TessLevel, Tessellation, Viewport,
+    Backend, Error, Frame, Framebuffer, Headless, Method, Offscreen, PreparedScene, Renderer,
+    Samples, Scene, TessLevel, Tessellation, Viewport,
 };
 use glam::{IVec2, UVec2};
 use glow::HasContext as _;
@@ -268,4 +268,18 @@ fn a_frame_is_drawn_in_its_viewport_whatever_the_context_has() {
         let part = image::imageops::crop_imm(&picture, origin.x as u32, top, size.x, size.y);
         assert_same("viewport of 16 samples", &expected, &part.to_image(), &[], 1);
     }
+}
+
+#[test]
+fn an_offscreen_is_dropped_in_its_own_context() {
+    let scene = Scene::listing16();
+    let first = Offscreen::new(64, 48).unwrap();
+    let mut second = Offscreen::new(64, 48).unwrap();
+    let (before, _) = second.render(&scene).unwrap();
+    // Both contexts number their objects alike.
+    drop(first);
+    second.context().make_current().unwrap();
+    let (after, _) = second.render(&scene).unwrap();
+    assert!(before == after && before.pixels().any(|pixel| *pixel != before[(0, 0)]));
+    assert_eq!(second.context().debug_log().take_errors(), Vec::<String>::new());
 }

@@ -165,12 +165,15 @@ fn fails(check: impl FnOnce() + std::panic::UnwindSafe) -> bool {
 
 #[test]
 fn shaders_that_are_a_little_wrong_are_noticed() {
-    let stage = |file: &str, old: &str, new: &str| {
-        Stage::with_sources(
-            backends()[0],
-            uvec2(160, 120),
-            Sources::default().with_edit(file, old, new),
-        )
+    // The edit is found and the shaders compile, or the test fails here.
+    let stage = |file: &str, old: &str, new: &str, smoothing: Smoothing| {
+        let sources = Sources::default().with_edit(file, old, new);
+        let mut stage = Stage::with_sources(backends()[0], uvec2(160, 120), sources);
+        let scene = scene_of_mesh(mesh("torus"), smoothing);
+        let mut prepared = stage.prepared(&scene);
+        let frame = stage.frame(&scene);
+        stage.triangles(&mut prepared, &frame);
+        std::panic::AssertUnwindSafe(stage)
     };
     for (file, old, new, smoothing) in [
         ("triangles/triangle.tesc", "moved / 4.0", "moved / 4.1", Smoothing::Pn),
@@ -178,15 +181,17 @@ fn shaders_that_are_a_little_wrong_are_noticed() {
         ("triangles/triangle.tesc", "-0.5 * alpha", "-0.51 * alpha", phong()),
         ("triangles/triangle.tese", "passNormal = -passNormal;", "", phong()),
     ] {
-        let check = || check_all_vertices(&mut stage(file, old, new), smoothing);
+        let mut stage = stage(file, old, new, smoothing);
+        let check = move || check_all_vertices(&mut stage, smoothing);
         assert!(fails(check), "{old} became {new:?}");
     }
     for (file, old, new) in [
         // Each side would have places of its own.
-        ("common/levels.glsl", "(levels + 1) / 2;", "(levels - 1) / 2;"),
-        ("triangles/triangle.tese", "(at.y, level.w, level.x,", "(at.y, level.w, level.w,"),
+        ("common/levels.glsl", "? levels - level :", "? levels - 0.99 * level :"),
+        ("triangles/triangle.tese", ">> 8 * edge & 0xffu", ">> 24"),
     ] {
-        let check = || check_all_edges(&mut stage(file, old, new), Smoothing::Pn);
+        let mut stage = stage(file, old, new, Smoothing::Pn);
+        let check = move || check_all_edges(&mut stage, Smoothing::Pn);
         assert!(fails(check), "{old} became {new:?}");
     }
 }
