@@ -36,7 +36,7 @@ fn scene(patches: usize, level: u32, wireframe: bool) -> Scene {
             single.control_points().iter().map(move |p| *p + DVec4::new(x, 0.0, -z, 0.0))
         })
         .collect();
-    let mut surface = Surface::new(Degree::Cubic, points).expect("whole patches");
+    let mut surface = Surface::new(Degree::CUBIC, points).expect("whole patches");
     surface.paint = single.paint;
     surface.trims = single.trims;
     surface.transform = single.transform;

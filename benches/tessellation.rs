@@ -48,7 +48,7 @@ fn field(patches: usize) -> Scene {
             single.control_points().iter().map(move |p| *p + DVec4::new(x, 0.0, -z, 0.0))
         })
         .collect();
-    let mut surface = Surface::new(Degree::Cubic, points).expect("whole patches");
+    let mut surface = Surface::new(Degree::CUBIC, points).expect("whole patches");
     surface.paint = single.paint;
     scene.surfaces.push(surface);
     scene
@@ -234,7 +234,7 @@ fn out_of_sight(gl: &Gl) {
     let is_seen = |(i, _): &(usize, &[DVec4])| i % 100 < 22 && i / 100 < 22;
     let patches = all.surfaces[0].control_points().chunks(16).enumerate().filter(is_seen);
     let points = patches.flat_map(|(_, points)| points.to_vec()).collect();
-    let mut surface = Surface::new(Degree::Cubic, points).expect("whole patches");
+    let mut surface = Surface::new(Degree::CUBIC, points).expect("whole patches");
     surface.paint = all.surfaces[0].paint.clone();
     surface.transform = all.surfaces[0].transform;
     few.surfaces = vec![surface];

@@ -23,6 +23,12 @@ fn main() -> std::io::Result<()> {
         orthographic(),
         quartic(),
         shared_edges(),
+        degree_15(),
+        saddle(),
+        cylinder_and_cone(),
+        torus(),
+        mixed_degrees(),
+        weights_along_an_edge(),
     ] {
         std::fs::write(format!("{folder}/tess-{}.toml", scene.name), scene.text())?;
     }
@@ -39,6 +45,8 @@ struct Scene {
 
 /// One `[[surface]]`.
 struct Patch {
+    /// Along u and v, if it is not that of 4×4 or 5×5 points.
+    degree: Option<[usize; 2]>,
     points: Vec<DVec4>,
     color: [f64; 3],
     translate: Option<DVec3>,
@@ -49,12 +57,17 @@ impl Scene {
         let Self { about, camera, .. } = self;
         let mut text =
             format!("# {about}\n# Made by examples/make_hard_patches.rs.\n\n[camera]\n{camera}\n");
-        for Patch { points, color, translate } in &self.patches {
-            let rows = points.chunks(points.len().isqrt()).map(|row| {
+        for Patch { degree, points, color, translate } in &self.patches {
+            let columns = degree.map_or(points.len().isqrt(), |[u, _]| u + 1);
+            let rows = points.chunks(columns).map(|row| {
                 let row: Vec<String> = row.iter().copied().map(list).collect();
                 format!("    {},\n", row.join(", "))
             });
-            text += "\n[[surface]]\ncontrol_points = [\n";
+            text += "\n[[surface]]\n";
+            if let Some(degree) = degree {
+                text += &format!("degree = {degree:?}\n");
+            }
+            text += "control_points = [\n";
             text.extend(rows);
             text += &format!("]\ncolor = {color:?}\n");
             if let Some(translate) = translate {
@@ -68,7 +81,11 @@ impl Scene {
 impl Patch {
     fn new(points: Vec<DVec3>, color: [f64; 3]) -> Self {
         let points = points.into_iter().map(|point| point.extend(1.0)).collect();
-        Self { points, color, translate: None }
+        Self { degree: None, points, color, translate: None }
+    }
+
+    fn of_degree(degree: [usize; 2], points: Vec<DVec4>, color: [f64; 3]) -> Self {
+        Self { degree: Some(degree), points, color, translate: None }
     }
 }
 
@@ -175,7 +192,7 @@ fn rational_sphere() -> Scene {
             place.extend(weights[i / 4] * weights[i % 4])
         });
         let color = [ORANGE, BLUE][(number + number / 4) % 2];
-        Patch { points: points.collect(), color, translate: None }
+        Patch { degree: None, points: points.collect(), color, translate: None }
     };
     Scene {
         name: "rational-sphere",
@@ -255,5 +272,140 @@ fn shared_edges() -> Scene {
                 # opposite directions, or one along u and the other along v. No crack may show.",
         camera: "eye = [1.5, 1.7, 1.2]\ntarget = [0.95, 0.0, -0.75]",
         patches: (0..9).map(patch).collect(),
+    }
+}
+
+/// A net over the square from (0, 0) to (1, −1), with heights by column and row.
+fn net(degree: [usize; 2], height: impl Fn(usize, usize) -> f64) -> Vec<DVec4> {
+    let columns = degree[0] + 1;
+    (0..columns * (degree[1] + 1))
+        .map(|i| {
+            let (column, row) = (i % columns, i / columns);
+            let (x, z) = (column as f64 / degree[0] as f64, -(row as f64) / degree[1] as f64);
+            let height = (100.0 * height(column, row)).round() / 100.0;
+            dvec3(x, height, z).extend(1.0)
+        })
+        .collect()
+}
+
+fn degree_15() -> Scene {
+    let waves = net([15, 15], |x, z| 0.9 * (1.7 * x as f64).sin() * (1.3 * z as f64 + 0.4).cos());
+    let rib = net([15, 1], |x, _| if x % 2 == 0 { 0.6 } else { -0.6 });
+    let rib = rib.iter().map(|p| *p + dvec3(1.2, 0.0, 0.0).extend(0.0)).collect();
+    Scene {
+        name: "degree-15",
+        about: "The largest degree: 256 control points that rise and fall, and a ruled surface of it.",
+        camera: "eye = [1.9, 1.6, 1.6]\ntarget = [1.0, 0.0, -0.5]",
+        patches: vec![
+            Patch::of_degree([15, 15], waves, ORANGE),
+            Patch::of_degree([15, 1], rib, BLUE),
+        ],
+    }
+}
+
+fn saddle() -> Scene {
+    let saddle = net([1, 1], |x, z| if x == z { 0.5 } else { -0.5 });
+    Scene {
+        name: "bilinear-saddle",
+        about: "The smallest degree: straight edges, and only the mixed derivative bends the surface.",
+        camera: "eye = [1.4, 1.1, 0.9]\ntarget = [0.5, 0.0, -0.5]",
+        patches: vec![Patch::of_degree([1, 1], saddle, ORANGE)],
+    }
+}
+
+/// A quarter of the unit circle as a rational curve of degree 2: places and weights.
+const ARC: [(DVec2, f64); 3] = [
+    (dvec2(1.0, 0.0), 1.0),
+    (dvec2(1.0, 1.0), std::f64::consts::FRAC_1_SQRT_2),
+    (dvec2(0.0, 1.0), 1.0),
+];
+
+/// A quarter of the unit circle, rotated.
+fn arc(quarters: usize) -> [(DVec2, f64); 3] {
+    let [cosine, sine] = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]][quarters];
+    ARC.map(|(place, weight)| (DVec2::new(cosine, sine).rotate(place), weight))
+}
+
+fn cylinder_and_cone() -> Scene {
+    let tube = |quarter: usize, top: f64, x: f64| {
+        let points = [(1.0, 0.0), (top, 1.2)].into_iter().flat_map(|(radius, height)| {
+            arc(quarter).map(|(place, weight)| {
+                let place = 0.5 * radius * place;
+                dvec3(x + place.x, height, place.y).extend(weight)
+            })
+        });
+        Patch::of_degree([2, 1], points.collect(), [ORANGE, BLUE][quarter % 2])
+    };
+    let patches = (0..4).map(|quarter| tube(quarter, 1.0, 1.0));
+    Scene {
+        name: "cylinder-and-cone",
+        about: "A whole cylinder and a cone with an apex, of rational patches of degrees 2 and 1: along v\n\
+                # nothing bends.",
+        camera: "eye = [2.6, 1.9, 2.6]\ntarget = [1.6, 0.5, 0.0]",
+        patches: patches.chain((0..4).map(|quarter| tube(quarter, 0.0, 2.3))).collect(),
+    }
+}
+
+fn torus() -> Scene {
+    let patch = |number: usize| {
+        let (around, along) = (arc(number % 4), arc(number / 4));
+        let points = along.into_iter().flat_map(|(circle, weight)| {
+            let (radius, height) = (1.0 + 0.4 * circle.x, 0.4 * circle.y);
+            around.map(|(place, other)| {
+                dvec3(radius * place.x, height, radius * place.y).extend(weight * other)
+            })
+        });
+        Patch::of_degree([2, 2], points.collect(), checkered([number % 4, number / 4]))
+    };
+    Scene {
+        name: "torus",
+        about: "A torus of 16 rational patches of degree 2.",
+        camera: "eye = [1.4, 1.9, 2.2]\ntarget = [0.0, 0.0, 0.0]",
+        patches: (0..16).map(patch).collect(),
+    }
+}
+
+fn mixed_degrees() -> Scene {
+    let heights = |x: usize, z: usize| 0.3 * (2.1 * x as f64).sin() + [0.2, -0.4, 0.5, -0.1][z];
+    let middle = net([3, 3], heights);
+    let moved = |x: f64| dvec3(x, 0.0, 0.0).extend(0.0);
+    // A neighbour has the degree of the common edge along it, and any degree across it.
+    let neighbour = |across: usize, right: bool| {
+        let mut points = net([across, 3], |x, z| heights(x + 3, z) + 0.1);
+        for row in 0..4 {
+            let (own, common) = if right { (0, 3) } else { (across, 0) };
+            let shift = moved(if right { -1.0 } else { 1.0 });
+            points[row * (across + 1) + own] = middle[row * 4 + common] + shift;
+        }
+        let shift = moved(if right { 1.0 } else { -1.0 });
+        points.into_iter().map(|point| point + shift).collect::<Vec<_>>()
+    };
+    Scene {
+        name: "mixed-degrees",
+        about: "Patches of degrees 7, 3 and 1 along u whose edges are the same cubic curves. No crack may\n\
+                # show.",
+        camera: "eye = [1.4, 2.0, 1.5]\ntarget = [0.5, 0.0, -0.5]",
+        patches: vec![
+            Patch::of_degree([7, 3], neighbour(7, false), BLUE),
+            Patch::of_degree([3, 3], middle.clone(), ORANGE),
+            Patch::of_degree([1, 3], neighbour(1, true), BLUE),
+        ],
+    }
+}
+
+fn weights_along_an_edge() -> Scene {
+    let weights = [1e-3, 0.03, 1.0, 30.0, 1e3];
+    let mut near = net([3, 4], |x, z| 0.3 * ((x + 2 * z) as f64).sin());
+    let mut far = net([2, 4], |x, z| 0.4 * ((2 * x + z) as f64).cos());
+    for row in 0..5 {
+        near[4 * row + 3].w = weights[row];
+        far[3 * row] = near[4 * row + 3] - dvec3(1.0, 0.0, 0.0).extend(0.0);
+    }
+    let far = far.into_iter().map(|p| p + dvec3(1.0, 0.0, 0.0).extend(0.0)).collect();
+    Scene {
+        name: "weights-along-an-edge",
+        about: "Weights from 1e-3 to 1e3 along the edge that two patches of different degrees share.",
+        camera: "eye = [1.6, 1.5, 1.4]\ntarget = [1.0, 0.0, -0.5]",
+        patches: vec![Patch::of_degree([3, 4], near, ORANGE), Patch::of_degree([2, 4], far, BLUE)],
     }
 }

@@ -1,7 +1,7 @@
 //! Bézier curves and patches in `f64`: the oracle that everything drawn is measured against.
 //!
-//! A patch holds 4×4 (bicubic) or 5×5 (biquartic) control points row by row: `u` runs along a row,
-//! `v` from row to row.
+//! A patch of degrees m and n holds (m + 1)×(n + 1) control points row by row: `u` runs along a row,
+//! `v` from row to row. A bicubic patch:
 //!
 //! ```text
 //!  v
@@ -13,60 +13,114 @@
 //! ```
 
 mod bounds;
+mod elevate;
 mod split;
 
 use glam::{DVec3, DVec4};
 
 pub(crate) use bounds::bounding_box;
+pub(crate) use elevate::elevate_to_square;
 pub(crate) use split::{split, split_slice};
 
 use crate::error::{Error, Result};
 
 /// The maximum number of control points along one side of a patch.
-const MAX_SIDE: usize = 5;
+const MAX_SIDE: usize = Degree::MAX + 1;
 
-/// Degree of a patch in both directions; it fixes the number of control points.
+/// Degrees of a patch along u and along v, each from 1 to 15. They fix the number of control points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Degree {
-    /// Degree 3: 4×4 control points, as in the thesis.
-    Cubic,
-    /// Degree 4: 5×5 control points, as in the report.
-    Quartic,
+pub struct Degree {
+    u: u8,
+    v: u8,
 }
 
 impl Degree {
-    /// Control points along one side: 4 or 5.
-    #[must_use]
-    pub const fn side(self) -> usize {
-        match self {
-            Self::Cubic => 4,
-            Self::Quartic => 5,
-        }
+    /// The largest degree along a direction.
+    pub const MAX: usize = 15;
+    /// Degree 3 along both directions: 4×4 control points, as in the thesis.
+    pub const CUBIC: Self = Self { u: 3, v: 3 };
+    /// Degree 4 along both directions: 5×5 control points, as in the report.
+    pub const QUARTIC: Self = Self { u: 4, v: 4 };
+
+    /// The degrees along u and along v.
+    ///
+    /// # Errors
+    /// A degree that is not from 1 to 15.
+    pub fn new(u: usize, v: usize) -> Result<Self> {
+        let checked = |name: &str, degree: usize| match u8::try_from(degree) {
+            Ok(checked) if (1..=Self::MAX).contains(&degree) => Ok(checked),
+            _ => Err(Error::invalid(format!("degree along {name}"), degree, "1 to 15")),
+        };
+        Ok(Self { u: checked("u", u)?, v: checked("v", v)? })
     }
 
-    /// Control points of a whole patch: 16 or 25.
+    /// The degree along u.
+    #[must_use]
+    pub const fn u(self) -> usize {
+        self.u as usize
+    }
+
+    /// The degree along v.
+    #[must_use]
+    pub const fn v(self) -> usize {
+        self.v as usize
+    }
+
+    /// Control points along u, in one row: 2 to 16.
+    #[must_use]
+    pub const fn columns(self) -> usize {
+        self.u() + 1
+    }
+
+    /// Control points along v, in one column: 2 to 16.
+    #[must_use]
+    pub const fn rows(self) -> usize {
+        self.v() + 1
+    }
+
+    /// Control points of a whole patch: 4 to 256.
     #[must_use]
     pub const fn points(self) -> usize {
-        self.side() * self.side()
+        self.columns() * self.rows()
     }
 
     /// Whether a control point of a patch belongs to its border.
     pub(crate) const fn is_on_border(self, index: usize) -> bool {
-        let last = self.side() - 1;
-        let (row, column) = (index / self.side(), index % self.side());
-        row == 0 || row == last || column == 0 || column == last
+        let (row, column) = (index / self.columns(), index % self.columns());
+        row == 0 || row == self.v() || column == 0 || column == self.u()
     }
 
-    /// The degree of a patch of `count` control points.
+    /// Refuses degrees that the thesis' method does not draw.
+    ///
+    /// # Errors
+    /// Any degrees but (3, 3) and (4, 4).
+    pub fn check_for_thesis(self) -> Result<()> {
+        if self == Self::CUBIC || self == Self::QUARTIC {
+            return Ok(());
+        }
+        Err(Error::invalid("degree", self, "(3, 3) or (4, 4) with the thesis' method"))
+    }
+
+    /// The degree of a patch of `count` control points as the thesis and the report have them.
     ///
     /// # Errors
     /// Any count but 16 and 25.
     pub fn from_point_count(count: usize) -> Result<Self> {
         match count {
-            16 => Ok(Self::Cubic),
-            25 => Ok(Self::Quartic),
-            _ => Err(Error::invalid("number of control points", count, "16 (4×4) or 25 (5×5)")),
+            16 => Ok(Self::CUBIC),
+            25 => Ok(Self::QUARTIC),
+            _ => Err(Error::invalid(
+                "number of control points",
+                count,
+                "16 (4×4) or 25 (5×5), or the degrees beside them",
+            )),
         }
+    }
+}
+
+impl std::fmt::Display for Degree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "({}, {})", self.u, self.v)
     }
 }
 
@@ -127,13 +181,16 @@ pub struct DeCasteljau {
     pub last: [DVec4; 2],
 }
 
-/// De Casteljau's algorithm on two to five points, at `t`.
+/// De Casteljau's algorithm on 2 to 16 points, at `t`.
 ///
 /// # Panics
-/// With fewer than two or more than five points.
+/// With fewer than 2 or more than 16 points.
 #[must_use]
 pub fn de_casteljau(points: &[DVec4], t: f64) -> DeCasteljau {
-    assert!((2..=MAX_SIDE).contains(&points.len()), "a curve of a patch has 2 to 5 control points");
+    assert!(
+        (2..=MAX_SIDE).contains(&points.len()),
+        "a curve of a patch has 2 to 16 control points"
+    );
     let mut blended = [DVec4::ZERO; MAX_SIDE];
     blended[..points.len()].copy_from_slice(points);
     for count in (2..points.len()).rev() {
@@ -185,11 +242,11 @@ impl<'a> Patch<'a> {
         self.points
     }
 
-    /// Homogeneous control points of a row, in the first `side()` entries.
+    /// Homogeneous control points of a row, in the first `columns()` entries.
     pub(crate) fn homogeneous_row(&self, row: usize) -> [DVec4; MAX_SIDE] {
-        let side = self.degree.side();
+        let columns = self.degree.columns();
         let mut points = [DVec4::ZERO; MAX_SIDE];
-        for (to, from) in points.iter_mut().zip(&self.points[row * side..][..side]) {
+        for (to, from) in points.iter_mut().zip(&self.points[row * columns..][..columns]) {
             *to = homogeneous(*from);
         }
         points
@@ -197,12 +254,10 @@ impl<'a> Patch<'a> {
 
     /// The homogeneous point H(u, v) with ∂H/∂u and ∂H/∂v, by Bernstein polynomials.
     fn homogeneous_at(&self, u: f64, v: f64) -> [DVec4; 3] {
-        let side = self.degree.side();
-        let degree = side - 1;
-        let basis = |t: f64| {
+        let basis = |degree: usize, t: f64| {
             let mut value = [0.0; MAX_SIDE];
             let mut slope = [0.0; MAX_SIDE];
-            for i in 0..side {
+            for i in 0..=degree {
                 value[i] = bernstein(degree, i, t);
                 let below = if i > 0 { bernstein(degree - 1, i - 1, t) } else { 0.0 };
                 let here = if i < degree { bernstein(degree - 1, i, t) } else { 0.0 };
@@ -210,12 +265,12 @@ impl<'a> Patch<'a> {
             }
             (value, slope)
         };
-        let (bu, bu_slope) = basis(u);
-        let (bv, bv_slope) = basis(v);
+        let (bu, bu_slope) = basis(self.degree.u(), u);
+        let (bv, bv_slope) = basis(self.degree.v(), v);
         let mut sum = [DVec4::ZERO; 3];
-        for row in 0..side {
-            for column in 0..side {
-                let point = homogeneous(self.points[row * side + column]);
+        for (row, points) in self.points.chunks_exact(self.degree.columns()).enumerate() {
+            for (column, point) in points.iter().enumerate() {
+                let point = homogeneous(*point);
                 sum[0] += point * (bu[column] * bv[row]);
                 sum[1] += point * (bu_slope[column] * bv[row]);
                 sum[2] += point * (bu[column] * bv_slope[row]);
@@ -253,10 +308,10 @@ mod tests {
     use super::*;
 
     fn bump(degree: Degree) -> Vec<DVec4> {
-        let side = degree.side();
+        let columns = degree.columns();
         (0..degree.points())
             .map(|i| {
-                let (x, z) = ((i % side) as f64, (i / side) as f64);
+                let (x, z) = ((i % columns) as f64, (i / columns) as f64);
                 DVec4::new(x, (x * 1.3).sin() + (z * 0.7).cos(), -z, 1.0)
             })
             .collect()
@@ -277,20 +332,20 @@ mod tests {
 
     #[test]
     fn de_casteljau_and_bernstein_agree() {
-        for degree in [Degree::Cubic, Degree::Quartic] {
+        for (u, v) in [(1, 1), (2, 1), (3, 3), (4, 4), (1, 7), (15, 15)] {
+            let degree = Degree::new(u, v).unwrap();
             let points = bump(degree);
             let patch = Patch::new(degree, &points);
-            let side = degree.side();
             for step in 0..=100 {
                 let (u, v) = (f64::from(step % 11) / 10.0, f64::from(step / 11) / 9.0);
                 let mut column = [DVec4::ZERO; MAX_SIDE];
-                for (row, point) in column.iter_mut().enumerate().take(side) {
-                    *point = de_casteljau(&patch.homogeneous_row(row)[..side], u).point;
+                for (row, point) in column.iter_mut().enumerate().take(degree.rows()) {
+                    *point = de_casteljau(&patch.homogeneous_row(row)[..degree.columns()], u).point;
                 }
-                let end = de_casteljau(&column[..side], v);
+                let end = de_casteljau(&column[..degree.rows()], v);
                 let expected = patch.at(u, v);
                 assert!((end.point.truncate() - expected.position).length() < 1e-13);
-                let tangent = (end.last[1] - end.last[0]).truncate() * (side - 1) as f64;
+                let tangent = (end.last[1] - end.last[0]).truncate() * degree.v() as f64;
                 assert!((tangent - expected.dv).length() < 1e-12);
             }
         }
@@ -298,11 +353,11 @@ mod tests {
 
     #[test]
     fn derivatives_match_central_differences_on_a_rational_patch() {
-        let mut points = bump(Degree::Cubic);
+        let mut points = bump(Degree::CUBIC);
         for (i, point) in points.iter_mut().enumerate() {
             point.w = 0.5 + (i % 5) as f64 * 0.4;
         }
-        let patch = Patch::new(Degree::Cubic, &points);
+        let patch = Patch::new(Degree::CUBIC, &points);
         let h = 1e-6;
         for (u, v) in [(0.2, 0.3), (0.5, 0.9), (0.71, 0.11)] {
             let at = patch.at(u, v);
@@ -324,7 +379,7 @@ mod tests {
             DVec4::new(0.0, 1.0, 0.0, 1.0),
         ];
         let points: Vec<DVec4> = (0..16).map(|i| arc[i % 4] + DVec4::Z * (i / 4) as f64).collect();
-        let patch = Patch::new(Degree::Cubic, &points);
+        let patch = Patch::new(Degree::CUBIC, &points);
         for step in 0..=20 {
             let p = patch.at(f64::from(step) / 20.0, 0.4).position;
             assert!((p.truncate().length() - 1.0).abs() < 1e-14);
@@ -334,25 +389,36 @@ mod tests {
     #[test]
     fn a_collapsed_edge_has_no_normal_at_any_scale() {
         for scale in [1e-6, 1.0, 1e6] {
-            let mut points = bump(Degree::Cubic);
+            let mut points = bump(Degree::CUBIC);
             for point in &mut points {
                 *point = (point.truncate() * scale).extend(1.0);
             }
-            assert!(Patch::new(Degree::Cubic, &points).normal(0.5, 0.0).is_some());
+            assert!(Patch::new(Degree::CUBIC, &points).normal(0.5, 0.0).is_some());
             for i in 0..4 {
                 points[i] = points[0];
             }
-            assert!(Patch::new(Degree::Cubic, &points).normal(0.5, 0.0).is_none());
+            assert!(Patch::new(Degree::CUBIC, &points).normal(0.5, 0.0).is_none());
         }
     }
 
     #[test]
     fn only_16_and_25_points_make_a_patch() {
-        assert_eq!(Degree::from_point_count(16).unwrap(), Degree::Cubic);
-        assert_eq!(Degree::from_point_count(25).unwrap(), Degree::Quartic);
+        assert_eq!(Degree::from_point_count(16).unwrap(), Degree::CUBIC);
+        assert_eq!(Degree::from_point_count(25).unwrap(), Degree::QUARTIC);
         for count in [0, 15, 17, 24, 26] {
             let text = Degree::from_point_count(count).unwrap_err().to_string();
             assert!(text.contains(&count.to_string()) && text.contains("16"));
+        }
+    }
+
+    #[test]
+    fn degrees_are_1_to_15() {
+        assert_eq!(Degree::new(3, 3).unwrap(), Degree::CUBIC);
+        let degree = Degree::new(2, 1).unwrap();
+        assert_eq!((degree.columns(), degree.rows(), degree.points()), (3, 2, 6));
+        for (u, v, name) in [(0, 3, "u"), (16, 3, "u"), (3, 0, "v"), (3, 300, "v")] {
+            let text = Degree::new(u, v).unwrap_err().to_string();
+            assert!(text.contains(&format!("degree along {name}")) && text.contains("1 to 15"));
         }
     }
 

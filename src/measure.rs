@@ -218,19 +218,20 @@ impl<'a> Seen<'a> {
         let to_clip = projection.projection * to_view;
         let to_world = DMat3::from_mat4(surface.transform);
         surface.patches().map(move |patch| {
-            let side = patch.degree().side();
+            let columns = patch.degree().columns();
+            let steps = patch.degree().u().max(patch.degree().v());
             let points = patch.points();
             let step = |from: usize, to: usize| {
                 (to_world * (points[to] - points[from]).truncate()).length()
             };
             let longest = (0..points.len())
                 .flat_map(|i| {
-                    let along_u = (i % side + 1 < side).then(|| step(i, i + 1));
-                    let along_v = (i + side < points.len()).then(|| step(i, i + side));
+                    let along_u = (i % columns + 1 < columns).then(|| step(i, i + 1));
+                    let along_v = (i + columns < points.len()).then(|| step(i, i + columns));
                     along_u.into_iter().chain(along_v)
                 })
                 .fold(0.0, f64::max);
-            Self { patch, to_view, to_clip, to_world, tangent: longest * (side - 1) as f64 }
+            Self { patch, to_view, to_clip, to_world, tangent: longest * steps as f64 }
         })
     }
 
@@ -291,7 +292,7 @@ mod tests {
         let lens = Lens::Orthographic { height: 2.0 };
         let camera = Camera::new(middle + DVec3::Z, middle, DVec3::Y, lens).unwrap();
         let scene = Scene {
-            surfaces: vec![Surface::new(Degree::Cubic, points).unwrap()],
+            surfaces: vec![Surface::new(Degree::CUBIC, points).unwrap()],
             camera: Some(camera),
             ..Scene::listing16()
         };

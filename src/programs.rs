@@ -18,6 +18,10 @@ use crate::scene::{Method, Normals, Shading};
 pub use crate::tessellation::PatchKind;
 use recipes::{Facts, recipe};
 
+/// The maximum number of control points that are passed on to the evaluation stage: `GL_MAX_TESS_PATCH_COMPONENTS` may
+/// be 120. Vertices of larger patches fetch theirs.
+const MAX_HELD: usize = 25;
+
 /// Locations of the uniforms, by their names in GLSL; the same as in `layout(location = …)` in
 /// `glsl/`.
 pub mod location {
@@ -145,7 +149,7 @@ impl Pipeline {
     #[must_use]
     pub const fn ported(degree: Degree, shading: Shading) -> Self {
         match (degree, shading) {
-            (Degree::Quartic, Shading::Unlit) => Self::Report,
+            (Degree::QUARTIC, Shading::Unlit) => Self::Report,
             (degree, _) => Self::Thesis(degree),
         }
     }
@@ -362,17 +366,11 @@ impl Sources {
     /// # Errors
     /// The driver rejects a shader or the program. Errors of the compiler name file and line.
     pub fn link(&self, gl: &Gl, key: ProgramKey) -> Result<Program> {
-        let side = match key.pipeline {
-            Pipeline::Thesis(degree) | Pipeline::Exact { degree, .. } => degree.side(),
-            Pipeline::Report => Degree::Quartic.side(),
-            Pipeline::Triangles { .. } | Pipeline::Static(_) => 3,
-            Pipeline::Points => 1,
-        };
         let samples = match key.pipeline {
             Pipeline::Exact { samples, .. } if key.output != Output::Aovs => samples,
             _ => 1,
         };
-        let mut defines = vec![("SIDE", side as u32), ("SAMPLES", samples)];
+        let mut defines = vec![("SAMPLES", samples)];
         let mut facts = Facts {
             aovs: key.output == Output::Aovs,
             phong: key.shading == Shading::Phong,
@@ -380,10 +378,15 @@ impl Sources {
             pixel_normals: false,
         };
         let mut on: Vec<(&'static str, bool)> = Vec::new();
-        if let Pipeline::Exact { patches, shared, normals, .. } = key.pipeline {
+        if let Pipeline::Thesis(degree) = key.pipeline {
+            defines.push(("SIDE", degree.columns() as u32));
+        }
+        if let Pipeline::Exact { degree, patches, shared, normals, .. } = key.pipeline {
+            defines.extend([("COLUMNS", degree.columns() as u32), ("ROWS", degree.rows() as u32)]);
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
             on.extend([
+                ("HELD", degree.points() <= MAX_HELD),
                 ("RATIONAL", patches != PatchKind::Polynomial),
                 ("DEGENERATE", patches == PatchKind::Degenerate),
                 ("SHARED", shared),

@@ -208,7 +208,10 @@ impl<'a> SurfaceView<'a> {
         method: Method,
     ) -> Result<Self> {
         let split = match method {
-            Method::Thesis => Split::of(settings.tessellation.level()),
+            Method::Thesis => {
+                surface.degree().check_for_thesis()?;
+                Split::of(settings.tessellation.level())
+            }
             Method::Exact => {
                 let level = settings.tessellation.level();
                 FixedSplit::new(&TrimGrid::new(&surface.trims), level).split
@@ -229,7 +232,7 @@ impl<'a> SurfaceView<'a> {
     /// Whether the report's program draws the surface, as `programs::Pipeline::ported` decides.
     fn is_report(&self) -> bool {
         self.method == Method::Thesis
-            && self.surface.degree() == crate::bezier::Degree::Quartic
+            && self.surface.degree() == crate::bezier::Degree::QUARTIC
             && self.surface.shading == crate::scene::Shading::Unlit
     }
 

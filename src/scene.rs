@@ -154,7 +154,7 @@ impl Scene {
     /// Never: its contents are fixed.
     #[must_use]
     pub fn listing16() -> Self {
-        let mut surface = Surface::new(Degree::Cubic, default_control_points())
+        let mut surface = Surface::new(Degree::CUBIC, default_control_points())
             .expect("the default control points make one patch");
         for index in [5, 6, 9, 10] {
             surface.points_mut()[index].y = 0.5;

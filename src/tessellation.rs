@@ -1,7 +1,8 @@
 //! Tessellation: how patches are divided into triangles.
 //!
 //! `bound.rs` computes how many triangles keep a patch within a screen-space tolerance. `edges.rs` finds neighbouring
-//! patches. `sub_patches.rs` chooses sub-patches to suit the drivers and the trims. `normal_cone.rs` bounds the
+//! patches. `sub_patches.rs` chooses sub-patches to suit the drivers and the trims. `square_nets.rs`
+//! brings patches of any degree to the sizes that the bound knows. `normal_cone.rs` bounds the
 //! directions of normals. `plan.rs` combines these once per frame. `triangle.rs` bounds the error of meshes' smooth
 //! triangles.
 
@@ -9,6 +10,7 @@ mod bound;
 mod edges;
 mod normal_cone;
 mod plan;
+mod square_nets;
 mod sub_patches;
 mod triangle;
 
@@ -18,6 +20,7 @@ pub use normal_cone::PatchKind;
 pub(crate) use normal_cone::{Eye, NormalCone};
 pub use plan::FrameStats;
 pub(crate) use plan::{Lists, Plan, SubPatch, SurfacePatches, raise};
+pub(crate) use square_nets::SquareNets;
 pub(crate) use sub_patches::{
     DrawSize, FixedSplit, Split, Tessellated, TrimSplits, patches_of_next_draw,
 };

@@ -165,27 +165,24 @@ proptest! {
 
     #[test]
     fn patches_are_read_back_as_written(
-        degrees in prop::collection::vec(prop::bool::ANY, 1..6), counts in prop::bool::ANY,
+        degrees in prop::collection::vec([1..=15_usize, 1..=15_usize], 1..6), counts in prop::bool::ANY,
         seed in any::<u32>(),
     ) {
         let _turn = TURN.lock();
         let value = |i: usize| f64::from(seed.wrapping_mul(i as u32 + 1) % 1000) / 8.0;
         let mut text = format!("{}\n", degrees.len());
-        let mut sides = Vec::new();
-        for quartic in &degrees {
-            let side: usize = if *quartic { 5 } else { 4 };
-            let header = if counts { side } else { side - 1 };
-            text += &format!("{header} {header}\n");
-            for i in 0..side * side {
+        for [u, v] in &degrees {
+            let extra = usize::from(counts);
+            text += &format!("{} {}\n", u + extra, v + extra);
+            for i in 0..(u + 1) * (v + 1) {
                 text += &format!("{} {} {}\n", value(i), -value(i + 1), value(i + 2));
             }
-            sides.push(side);
         }
         let scene = Scene::from_bpt(&text, Path::new("x.bpt")).unwrap();
         let patches: Vec<_> = scene.surfaces.iter().flat_map(|surface| surface.patches()).collect();
         prop_assert_eq!(patches.len(), degrees.len());
-        for (patch, side) in patches.iter().zip(sides) {
-            prop_assert_eq!(patch.degree().side(), side);
+        for (patch, [u, v]) in patches.iter().zip(degrees) {
+            prop_assert_eq!(patch.degree(), Degree::new(u, v).unwrap());
             for (i, point) in patch.points().iter().enumerate() {
                 prop_assert_eq!(point.to_array(), [value(i), -value(i + 1), value(i + 2), 1.0]);
             }
@@ -299,6 +296,6 @@ fn the_teapot_has_32_bicubic_patches() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/surfaces/teapot.bpt");
     let scene = Scene::load(&path).unwrap();
     assert_eq!(scene.surfaces.len(), 1);
-    assert_eq!(scene.surfaces[0].degree(), Degree::Cubic);
+    assert_eq!(scene.surfaces[0].degree(), Degree::CUBIC);
     assert_eq!(scene.surfaces[0].patches().len(), 32);
 }

@@ -23,7 +23,7 @@ layout(location = 5) flat in vec2 passLongest;
 vec3 normalAt(vec2 uv)
 {
     vec2 t = clamp(uv, 0.0, 1.0), s = 1.0 - t;
-    POINT points[SIDE * SIDE];
+    POINT points[COLUMNS * ROWS];
     fetchPatch(int(passPlace.x), points);
     vec4 point;
     POINT du, dv;

@@ -4,83 +4,108 @@
 // runs in the opposite direction has the same two numbers exchanged. All sums and products of a
 // point are ordered such that this exchange does not change a bit of the result.
 
-// Bernstein polynomials of degree SIDE - 1.
-void bernstein(float t, float s, out float b[SIDE])
+const int LONGEST = max(COLUMNS, ROWS);
+
+// The binomial coefficient "n over i + 1", from "n over i".
+int nextBinomial(int binomial, int n, int i)
 {
-    precise float s2 = s * s, t2 = t * t;
-#if SIDE == 4
-    precise float b1 = 3.0 * (s2 * t), b2 = 3.0 * (t2 * s), b0 = s2 * s, b3 = t2 * t;
-    b = float[](b0, b1, b2, b3);
-#else
-    precise float b1 = 4.0 * ((s2 * s) * t), b3 = 4.0 * ((t2 * t) * s);
-    precise float b0 = s2 * s2, b2 = 6.0 * (s2 * t2), b4 = t2 * t2;
-    b = float[](b0, b1, b2, b3, b4);
-#endif
+    return binomial * (n - i) / (i + 1);
 }
 
-// The first derivatives of the Bernstein polynomials.
-void bernsteinSlopes(float t, float s, out float slope[SIDE])
+// Bernstein polynomials of degree n.
+void bernstein(int n, float t, float s, out float b[LONGEST])
 {
-#if SIDE == 4
-    float lower[] = float[](3.0 * s * s, 6.0 * s * t, 3.0 * t * t);
-#else
-    float lower[] = float[](4.0 * s * s * s, 12.0 * s * s * t, 12.0 * s * t * t, 4.0 * t * t * t);
-#endif
+    float ofT[LONGEST], ofS[LONGEST]; // powers
+    ofT[0] = ofS[0] = 1.0;
+    ofT[1] = t;
+    ofS[1] = s;
+    for (int i = 2; i <= n; ++i) {
+        precise float powerOfT = ofT[i / 2] * ofT[i - i / 2], powerOfS = ofS[i / 2] * ofS[i - i / 2];
+        ofT[i] = powerOfT;
+        ofS[i] = powerOfS;
+    }
+    for (int i = 0, binomial = 1; i <= n; ++i) {
+        precise float value = float(binomial) * (ofS[n - i] * ofT[i]);
+        b[i] = value;
+        binomial = nextBinomial(binomial, n, i);
+    }
+}
+
+// The same times a factor. Here the rounding may depend on the direction.
+void bernsteinTimes(int factor, int n, float t, float s, out float b[LONGEST])
+{
+    for (int i = 0, binomial = 1; i <= n; ++i) {
+        float value = float(factor * binomial);
+        for (int j = i; j < n; ++j)
+            value *= s;
+        for (int j = 0; j < i; ++j)
+            value *= t;
+        b[i] = value;
+        binomial = nextBinomial(binomial, n, i);
+    }
+}
+
+// Derivatives of the Bernstein polynomials of degree n.
+void bernsteinSlopes(int n, float t, float s, out float slope[LONGEST])
+{
+    float lower[LONGEST];
+    bernsteinTimes(n, n - 1, t, s, lower);
     slope[0] = -lower[0];
-    for (int i = 1; i < SIDE - 1; ++i)
+    for (int i = 1; i < n; ++i)
         slope[i] = lower[i - 1] - lower[i];
-    slope[SIDE - 1] = lower[SIDE - 2];
+    slope[n] = lower[n - 1];
 }
 
-// The sum of points times Bernstein polynomials. Symmetric: reversing both arrays changes no bit.
-POINT weightedSum(POINT p[SIDE], float b[SIDE])
+// The first n + 1 points times weights, from both ends towards the middle.
+POINT weightedSum(int n, POINT p[LONGEST], float b[LONGEST])
 {
-#if SIDE == 4
-    precise POINT sum = (b[0] * p[0] + b[3] * p[3]) + (b[1] * p[1] + b[2] * p[2]);
-#else
-    precise POINT sum = ((b[0] * p[0] + b[4] * p[4]) + (b[1] * p[1] + b[3] * p[3])) + b[2] * p[2];
-#endif
+    precise POINT sum = b[0] * p[0] + b[n] * p[n];
+    for (int i = 1; 2 * i < n; ++i)
+        sum += b[i] * p[i] + b[n - i] * p[n - i];
+    if (n % 2 == 0)
+        sum += b[n / 2] * p[n / 2];
     return sum;
 }
 
-// The same sum if all points are the one number `all`.
-float weightedSum(float all, float b[SIDE])
+// The same for a number that all points have in common.
+float weightedSum(int n, float all, float b[LONGEST])
 {
-#if SIDE == 4
-    precise float sum = (b[0] * all + b[3] * all) + (b[1] * all + b[2] * all);
-#else
-    precise float sum = ((b[0] * all + b[4] * all) + (b[1] * all + b[3] * all)) + b[2] * all;
-#endif
+    precise float sum = b[0] * all + b[n] * all;
+    for (int i = 1; 2 * i < n; ++i)
+        sum += b[i] * all + b[n - i] * all;
+    if (n % 2 == 0)
+        sum += b[n / 2] * all;
     return sum;
 }
 
 // The homogeneous point and its derivatives along u and v.
-void evaluate(POINT points[SIDE * SIDE], vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
+void evaluate(POINT points[COLUMNS * ROWS], vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
 {
-    float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE];
-    bernstein(t.x, s.x, bu);
-    bernstein(t.y, s.y, bv);
-    bernsteinSlopes(t.x, s.x, su);
-    bernsteinSlopes(t.y, s.y, sv);
-    POINT rows[SIDE];
+    float bu[LONGEST], bv[LONGEST], su[LONGEST], sv[LONGEST];
+    bernstein(COLUMNS - 1, t.x, s.x, bu);
+    bernstein(ROWS - 1, t.y, s.y, bv);
+    bernsteinSlopes(COLUMNS - 1, t.x, s.x, su);
+    bernsteinSlopes(ROWS - 1, t.y, s.y, sv);
+    POINT rows[LONGEST];
     du = dv = POINT(0.0);
-    for (int row = 0; row < SIDE; ++row) {
-        POINT line[SIDE];
+    for (int row = 0; row < ROWS; ++row) {
+        POINT line[LONGEST];
         POINT slope = POINT(0.0);
-        for (int column = 0; column < SIDE; ++column) {
-            line[column] = points[row * SIDE + column];
+        for (int column = 0; column < COLUMNS; ++column) {
+            line[column] = points[row * COLUMNS + column];
             slope += su[column] * line[column];
         }
-        rows[row] = weightedSum(line, bu);
+        rows[row] = weightedSum(COLUMNS - 1, line, bu);
         du += bv[row] * slope;
         dv += sv[row] * rows[row];
     }
 #ifdef RATIONAL
-    point = weightedSum(rows, bv);
+    point = weightedSum(ROWS - 1, rows, bv);
 #else
     // The weight, 1, is rounded like that of a rational patch, so that patches of both kinds meet
     // bit for bit.
-    point = vec4(weightedSum(rows, bv), weightedSum(weightedSum(1.0, bu), bv));
+    point = vec4(weightedSum(ROWS - 1, rows, bv),
+        weightedSum(ROWS - 1, weightedSum(COLUMNS - 1, 1.0, bu), bv));
 #endif
 }
 
@@ -95,38 +120,35 @@ vec3 tangent(vec4 point, POINT derivative)
 }
 
 #ifdef DEGENERATE
-// The second derivatives of the Bernstein polynomials.
-void bernsteinBends(float t, float s, out float bend[SIDE])
+// Second derivatives of the Bernstein polynomials of degree n.
+void bernsteinBends(int n, float t, float s, out float bend[LONGEST])
 {
-#if SIDE == 4
-    float lowest[] = float[](6.0 * s, 6.0 * t);
-#else
-    float lowest[] = float[](12.0 * s * s, 24.0 * s * t, 12.0 * t * t);
-#endif
-    for (int i = 0; i < SIDE; ++i) {
+    float lowest[LONGEST];
+    bernsteinTimes(n * (n - 1), n - 2, t, s, lowest);
+    for (int i = 0; i <= n; ++i) {
         float before = i >= 2 ? lowest[max(i - 2, 0)] : 0.0;
-        float here = i >= 1 && i < SIDE - 1 ? lowest[clamp(i - 1, 0, SIDE - 3)] : 0.0;
-        float after = i < SIDE - 2 ? lowest[min(i, SIDE - 3)] : 0.0;
-        bend[i] = before - 2.0 * here + after;
+        float here = i >= 1 && i < n ? lowest[clamp(i - 1, 0, max(n - 2, 0))] : 0.0;
+        float after = i < n - 1 ? lowest[min(i, max(n - 2, 0))] : 0.0;
+        bend[i] = n < 2 ? 0.0 : before - 2.0 * here + after;
     }
 }
 
 // The normal Sv × Su of a patch whose tangents may vanish or be parallel. There it is the first
 // non-vanishing term of the normal's Taylor series along the diagonal into the patch; the quadratic
 // term omits derivatives above the second. Not of unit length; zero if all terms vanish.
-vec3 patchNormal(POINT points[SIDE * SIDE], vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
+vec3 patchNormal(POINT points[COLUMNS * ROWS], vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
 {
-    float bu[SIDE], bv[SIDE], su[SIDE], sv[SIDE], ru[SIDE], rv[SIDE];
-    bernstein(t.x, s.x, bu);
-    bernstein(t.y, s.y, bv);
-    bernsteinSlopes(t.x, s.x, su);
-    bernsteinSlopes(t.y, s.y, sv);
-    bernsteinBends(t.x, s.x, ru);
-    bernsteinBends(t.y, s.y, rv);
+    float bu[LONGEST], bv[LONGEST], su[LONGEST], sv[LONGEST], ru[LONGEST], rv[LONGEST];
+    bernstein(COLUMNS - 1, t.x, s.x, bu);
+    bernstein(ROWS - 1, t.y, s.y, bv);
+    bernsteinSlopes(COLUMNS - 1, t.x, s.x, su);
+    bernsteinSlopes(ROWS - 1, t.y, s.y, sv);
+    bernsteinBends(COLUMNS - 1, t.x, s.x, ru);
+    bernsteinBends(ROWS - 1, t.y, s.y, rv);
     vec4 duu = vec4(0.0), duv = vec4(0.0), dvv = vec4(0.0);
-    for (int row = 0; row < SIDE; ++row) {
-        for (int column = 0; column < SIDE; ++column) {
-            vec4 p = points[row * SIDE + column];
+    for (int row = 0; row < ROWS; ++row) {
+        for (int column = 0; column < COLUMNS; ++column) {
+            vec4 p = points[row * COLUMNS + column];
             duu += ru[column] * bv[row] * p;
             duv += su[column] * sv[row] * p;
             dvv += bu[column] * rv[row] * p;

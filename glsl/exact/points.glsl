@@ -11,9 +11,9 @@ layout(binding = 3) uniform samplerBuffer controlPoints; // homogeneous, centred
 #endif
 
 // The control points of the patch whose first point has the index `first`.
-void fetchPatch(int first, out POINT points[SIDE * SIDE])
+void fetchPatch(int first, out POINT points[COLUMNS * ROWS])
 {
-    for (int i = 0; i < SIDE * SIDE; ++i) {
+    for (int i = 0; i < COLUMNS * ROWS; ++i) {
         vec4 point = texelFetch(controlPoints, first + i);
 #ifdef RATIONAL
         points[i] = point;

@@ -1,5 +1,5 @@
 // Sets the number of cells of a sub-patch, and fetches the control points of its patch, once for
-// all vertices. SIDE is 4 or 5, the number of control points along a side.
+// all vertices if HELD is defined. A patch has COLUMNS × ROWS control points.
 
 layout(vertices = 1) out;
 
@@ -8,7 +8,9 @@ flat in uvec4 cutOfVertex[];
 
 patch out uvec4 placeOfPatch;
 patch out uvec4 cutOfPatch;
-patch out POINT pointsOfPatch[SIDE * SIDE];
+#ifdef HELD
+patch out POINT pointsOfPatch[COLUMNS * ROWS];
+#endif
 #ifdef DEGENERATE
 patch out vec2 longest; // estimated maximum lengths of the tangents along u and v
 
@@ -24,17 +26,24 @@ void main()
     uvec4 cut = cutOfVertex[0];
     placeOfPatch = placeOfVertex[0];
     cutOfPatch = cut;
-    POINT points[SIDE * SIDE];
+#if defined(HELD) || defined(DEGENERATE)
+    POINT points[COLUMNS * ROWS];
     fetchPatch(int(placeOfVertex[0].x), points);
+#endif
+#ifdef HELD
     pointsOfPatch = points;
+#endif
 #ifdef DEGENERATE
     longest = vec2(0.0);
-    for (int line = 0; line < SIDE; ++line)
-        for (int i = 0; i < SIDE - 1; ++i) {
-            int u = line * SIDE + i, v = i * SIDE + line;
-            longest = max(longest, vec2(apart(points[u], points[u + 1]), apart(points[v], points[v + SIDE])));
+    for (int row = 0; row < ROWS; ++row)
+        for (int column = 0; column < COLUMNS; ++column) {
+            int i = row * COLUMNS + column;
+            if (column + 1 < COLUMNS)
+                longest.x = max(longest.x, apart(points[i], points[i + 1]));
+            if (row + 1 < ROWS)
+                longest.y = max(longest.y, apart(points[i], points[i + COLUMNS]));
         }
-    longest *= float(SIDE - 1);
+    longest *= vec2(COLUMNS - 1, ROWS - 1);
 #endif
     float along_u = float(cut.y & 0xffu), along_v = float(cut.y >> 8);
     gl_TessLevelOuter[0] = gl_TessLevelOuter[2] = gl_TessLevelInner[1] = along_v;

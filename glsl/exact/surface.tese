@@ -18,7 +18,9 @@ layout(location = 29) uniform mat4 normalToView;
 
 patch in uvec4 placeOfPatch;
 patch in uvec4 cutOfPatch;
-patch in POINT pointsOfPatch[SIDE * SIDE];
+#ifdef HELD
+patch in POINT pointsOfPatch[COLUMNS * ROWS];
+#endif
 #ifdef DEGENERATE
 patch in vec2 longest;
 #endif
@@ -72,6 +74,10 @@ void main()
     vec2 v = placeAlong(at.y, at.x, cells.y, edges.x, edges.z, subPatch.y, subPatches.y);
     vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
 
+#ifndef HELD
+    POINT pointsOfPatch[COLUMNS * ROWS];
+    fetchPatch(int(placeOfPatch.x), pointsOfPatch);
+#endif
     vec4 point;
     POINT du, dv;
     evaluate(pointsOfPatch, t, s, point, du, dv);

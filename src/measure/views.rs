@@ -115,7 +115,7 @@ mod tests {
         let points = (0..16)
             .map(|i| DVec4::new(f64::from(i % 4), f64::from(i / 4) * 4.0 / 3.0, 1.0, 1.0))
             .collect();
-        let surface = Surface::new(Degree::Cubic, points).unwrap();
+        let surface = Surface::new(Degree::CUBIC, points).unwrap();
         Scene { surfaces: vec![surface], ..Scene::listing16() }
     }
 

@@ -466,7 +466,7 @@ mod tests {
     fn plane(low: DVec2, high: DVec2) -> Surface {
         let points = (0..16).map(|i| dvec2(f64::from(i % 4), f64::from(i / 4)) / 3.0);
         let points = points.map(|uv| (low + (high - low) * uv).extend(0.0).extend(1.0)).collect();
-        Surface::new(Degree::Cubic, points).unwrap()
+        Surface::new(Degree::CUBIC, points).unwrap()
     }
 
     fn scene(surface: Surface, eye: DVec3, target: DVec3, up: DVec3, lens: Lens) -> Scene {

@@ -227,18 +227,20 @@ impl DrawList {
             let back = (surface.surface().cull == Cull::Back).then(|| {
                 (eye_in_model(&key.camera, &model), DMat3::from_mat4(model).determinant().signum())
             });
+            let degree = surface.degree();
             let rounding = Rounding::new(
                 &(to_clip * surface.points_to_world()),
                 surface.uploaded_points().extent(),
-            );
+            )
+            .of_degree(degree);
             let first_point = surface.uploaded_points().first() as u32;
-            let degree = surface.degree();
-            let (points, cones, trims) = surface.for_plan();
+            let (net_side, nets, cones, trims) = surface.for_plan();
             let (trims, fixed) =
                 trims.exact.as_mut().map_or((None, None), |trims| trims.sub_patches());
             patches.push(SurfacePatches {
                 degree,
-                points,
+                net_side,
+                nets,
                 to_clip: (to_clip * model).into(),
                 rounding,
                 cones,

@@ -10,8 +10,8 @@ use super::trims::UploadedTrims;
 use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::{Gl, Texture};
-use crate::scene::{Cull, Image, Paint, RenderSettings, Shading, Surface, check_transform};
-use crate::tessellation::NormalCone;
+use crate::scene::{Cull, Image, Method, Paint, RenderSettings, Shading, Surface, check_transform};
+use crate::tessellation::{NormalCone, SquareNets};
 use crate::trim::Trims;
 
 /// A surface uploaded to the driver. It can be changed between frames.
@@ -23,6 +23,7 @@ pub struct PreparedSurface {
     control_points: ControlPoints,
     /// One cone for each patch.
     cones: Vec<NormalCone>,
+    nets: SquareNets,
     texture: Rc<Texture>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
@@ -64,6 +65,7 @@ impl PreparedSurface {
         let patches = surface.control_points().chunks_exact(degree.points());
         Ok(Self {
             cones: patches.map(|points| NormalCone::new(degree, points)).collect(),
+            nets: SquareNets::new(degree, surface.control_points()),
             surface,
             control_points,
             texture,
@@ -119,6 +121,7 @@ impl PreparedSurface {
         let patch = index / degree.points();
         let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];
         self.cones[patch] = NormalCone::new(degree, points);
+        self.nets.update(patch, points);
         self.revision.rest = new_number();
         Ok(())
     }
@@ -159,7 +162,13 @@ impl PreparedSurface {
     }
 
     /// Uploads the trim data that a method needs, if it is not up to date.
+    ///
+    /// # Errors
+    /// Degrees or trims that the method does not draw; no memory.
     pub(crate) fn upload_trims(&mut self, gl: &Gl, settings: &RenderSettings) -> Result<()> {
+        if settings.method == Method::Thesis {
+            self.degree().check_for_thesis()?;
+        }
         self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
     }
 
@@ -197,9 +206,11 @@ impl PreparedSurface {
         self.surface.transform * self.control_points.centering().to_model()
     }
 
-    /// Borrows control points, cones and trims together, for the planning pass.
-    pub(super) fn for_plan(&mut self) -> (&[DVec4], &[NormalCone], &mut UploadedTrims) {
-        (self.surface.control_points(), &self.cones, &mut self.uploaded_trims)
+    /// Borrows for the planning pass: the points along a side of the patches' square nets, these nets, the cones and
+    /// the trims.
+    pub(super) fn for_plan(&mut self) -> (usize, &[DVec4], &[NormalCone], &mut UploadedTrims) {
+        let nets = self.nets.all(self.surface.control_points());
+        (self.nets.side(), nets, &self.cones, &mut self.uploaded_trims)
     }
 }
 

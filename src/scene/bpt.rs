@@ -32,7 +32,7 @@ const DIALECTS: [Dialect; 4] = [
 struct Fault {
     value: usize,
     message: String,
-    /// The number of values that are missing to read on.
+    /// The number of values that the last patch lacks, if it has most of its values; otherwise that of no patch.
     missing: usize,
 }
 
@@ -164,13 +164,10 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
         };
         let extra = usize::from(!dialect.counts);
         let sides = [first.saturating_add(extra), second.saturating_add(extra)];
-        let degree = match sides {
-            [4, 4] => Degree::Cubic,
-            [5, 5] => Degree::Quartic,
-            [u, v] => {
-                let message = format!("patch {patch} has {u}×{v} points; expected 4×4 or 5×5");
-                return fault(next, message);
-            }
+        let [u, v] = sides;
+        let Ok(degree) = Degree::new(u - 1, v - 1) else {
+            let message = format!("patch {patch} has {u}×{v} points; expected 2×2 to 16×16");
+            return fault(next, message);
         };
         let start = next + 2;
         let coordinates = 3 * degree.points();
@@ -181,7 +178,9 @@ fn walk(values: &[f64], dialect: Dialect) -> Result<Vec<PatchValues>, Fault> {
                  coordinates",
                 degree.points(),
             );
-            return Err(Fault { value: values.len(), message, missing: coordinates - there });
+            let missing = coordinates - there;
+            let missing = if 4 * missing <= coordinates { missing } else { usize::MAX };
+            return Err(Fault { value: values.len(), message, missing });
         }
         patches.push(PatchValues { degree, start });
         next = start + coordinates;
@@ -227,25 +226,25 @@ mod tests {
 
     #[test]
     fn both_dialects_are_told_apart_by_the_number_of_values() {
-        use Degree::{Cubic, Quartic};
-        assert_eq!(patches(&text("2", &[("3 3", 16), ("3 3", 16)])), [(Cubic, 2)]);
-        assert_eq!(patches(&text("2", &[("4 4", 16), ("4 4", 16)])), [(Cubic, 2)]);
-        assert_eq!(patches(&text("1", &[("4 4", 25)])), [(Quartic, 1)]);
-        assert_eq!(patches(&text("1", &[("5 5", 25)])), [(Quartic, 1)]);
+        let (cubic, quartic) = (Degree::CUBIC, Degree::QUARTIC);
+        assert_eq!(patches(&text("2", &[("3 3", 16), ("3 3", 16)])), [(cubic, 2)]);
+        assert_eq!(patches(&text("2", &[("4 4", 16), ("4 4", 16)])), [(cubic, 2)]);
+        assert_eq!(patches(&text("1", &[("4 4", 25)])), [(quartic, 1)]);
+        assert_eq!(patches(&text("1", &[("5 5", 25)])), [(quartic, 1)]);
         assert_eq!(
             patches(&text("3", &[("3 3", 16), ("4 4", 25), ("3 3", 16)])),
-            [(Cubic, 1), (Quartic, 1), (Cubic, 1)]
+            [(cubic, 1), (quartic, 1), (cubic, 1)]
         );
-        assert_eq!(patches(&text("2", &[("4 4", 16), ("5 5", 25)])), [(Cubic, 1), (Quartic, 1)]);
+        assert_eq!(patches(&text("2", &[("4 4", 16), ("5 5", 25)])), [(cubic, 1), (quartic, 1)]);
     }
 
     #[test]
     fn degrees_may_stand_once_before_all_patches() {
-        use Degree::{Cubic, Quartic};
-        assert_eq!(patches(&text("2\n3 3", &[("", 16), ("", 16)])), [(Cubic, 2)]);
-        assert_eq!(patches(&text("3\n4 4", &[("", 25), ("", 25), ("", 25)])), [(Quartic, 3)]);
+        let (cubic, quartic) = (Degree::CUBIC, Degree::QUARTIC);
+        assert_eq!(patches(&text("2\n3 3", &[("", 16), ("", 16)])), [(cubic, 2)]);
+        assert_eq!(patches(&text("3\n4 4", &[("", 25), ("", 25), ("", 25)])), [(quartic, 3)]);
         // Numbers of points once.
-        assert_eq!(patches(&text("2\n4 4", &[("", 16), ("", 16)])), [(Cubic, 2)]);
+        assert_eq!(patches(&text("2\n4 4", &[("", 16), ("", 16)])), [(cubic, 2)]);
         let points = parse(&text("2\n3 3", &[("", 16), ("", 16)]), Path::new("x.bpt")).unwrap();
         assert_eq!(points[0].control_points()[16], DVec4::new(0.0, 0.0, 0.5, 1.0));
         let short = error(&text("2\n3 3", &[("", 16), ("", 15)]));
@@ -263,7 +262,7 @@ mod tests {
             ("0", ["x.bpt:1:", "above 0"]),
             ("-3", ["x.bpt:1:", "above 0"]),
             ("1.5", ["x.bpt:1:", "whole"]),
-            (&text("1", &[("1 1", 4)]), ["x.bpt:2:", "2×2 points; expected 4×4 or 5×5"]),
+            (&text("1", &[("20 20", 4)]), ["x.bpt:2:", "21×21 points; expected 2×2 to 16×16"]),
             (&text("1", &[("4 4", 15)]), ["x.bpt:17:", "ends after 45 of its 48"]),
             (&text("1", &[("4 4", 24)]), ["x.bpt:26:", "ends after 72 of its 75"]),
             (&text("1", &[("3 3", 16)]).replace("3 3 0.5", "3 nan 0.5"), ["x.bpt:18:", "NaN"]),

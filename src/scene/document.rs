@@ -78,7 +78,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
     if settings.method == Method::Thesis {
         builder.chunk = 0;
         for (surface, places) in std::iter::zip(&surfaces, &trim_places) {
-            builder.check_for_thesis(&surface.trims, places)?;
+            builder.check_for_thesis(surface, places)?;
         }
     }
     Ok(Scene { files: builder.files, camera, up, settings, surfaces, meshes })
@@ -221,8 +221,16 @@ impl Builder<'_> {
     fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, TrimPlaces)> {
         let start = table.span().start;
         let table = table.into_inner();
+        if let (Some(degree), None) = (&table.degree, &table.control_points) {
+            let error = Error::invalid("degree", "without control points", "control_points");
+            return Err(self.at(degree.span().start, error));
+        }
+        let degree = table.degree.map(|degree| self.check(degree, |[u, v]| Degree::new(u, v)));
+        let degree = degree.transpose()?;
         let mut surfaces = match (table.control_points, table.file) {
-            (Some(points), None) => vec![self.check(points, surface_of_points)?],
+            (Some(points), None) => {
+                vec![self.check(points, |points| surface_of_points(points, degree))?]
+            }
             (None, Some(file)) => {
                 let path = self.beside_scene(file.get_ref());
                 let surfaces = self.check(file, |_| match extension(&path).as_str() {
@@ -256,7 +264,7 @@ impl Builder<'_> {
                 CullName::Back => Cull::Back,
             };
         }
-        let PlacedTrims { trims, places } = self.trims(table.trim, table.keep)?;
+        let PlacedTrims { trims, places } = self.trims(table.trim, table.keep, start)?;
         if trims.keep == Keep::Inside && !trims.has_loops() {
             let borderless =
                 Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
@@ -405,12 +413,16 @@ fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {
     Camera::new(table.eye.into(), table.target.into(), table.up.into(), lens)
 }
 
-fn surface_of_points(points: ControlPoints) -> Result<Surface> {
+/// A patch of a degree, or if none is given, of 4×4 or 5×5 points.
+fn surface_of_points(points: ControlPoints, degree: Option<Degree>) -> Result<Surface> {
     let points = match points {
         ControlPoints::Default => default_control_points(),
         ControlPoints::Points(points) => points,
     };
-    Surface::new(Degree::from_point_count(points.len())?, points)
+    match degree {
+        Some(degree) => Surface::of_patch(degree, points),
+        None => Surface::new(Degree::from_point_count(points.len())?, points),
+    }
 }
 
 fn unit_range<const N: usize>(name: &str, values: [f32; N]) -> Result<[f32; N]> {

@@ -66,7 +66,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Patches of 16 or 25 control points (x, y, z, weight), patch after patch.
+    /// Patches of one degree from their control points (x, y, z, weight), patch after patch.
     ///
     /// # Errors
     /// No point, a number that is not a multiple of the patch size, a point that is not finite, a weight that is not
@@ -91,6 +91,22 @@ impl Surface {
             trims: Trims::default(),
             cull: Cull::default(),
         })
+    }
+
+    /// One patch.
+    ///
+    /// # Errors
+    /// A number of points that is not that of the degree, and as [`Surface::new`].
+    pub fn of_patch(degree: Degree, control_points: Vec<DVec4>) -> Result<Self> {
+        if control_points.len() != degree.points() {
+            let (columns, rows) = (degree.columns(), degree.rows());
+            return Err(Error::invalid(
+                "number of control points",
+                control_points.len(),
+                format!("{}, {columns} along u times {rows} along v", degree.points()),
+            ));
+        }
+        Self::new(degree, control_points)
     }
 
     /// The degree of all patches.

@@ -63,6 +63,7 @@ pub(super) struct NewtonTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceTable {
+    pub(super) degree: Option<Spanned<[usize; 2]>>,
     pub(super) control_points: Option<Spanned<ControlPoints>>,
     pub(super) file: Option<Spanned<String>>,
     pub(super) texture: Option<Spanned<String>>,
@@ -208,7 +209,7 @@ impl<'de> Deserialize<'de> for ControlPoints {
             type Value = ControlPoints;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("16 or 25 points [x, y, z] or [x, y, z, weight], or \"default\"")
+                f.write_str("points [x, y, z] or [x, y, z, weight], or \"default\"")
             }
 
             fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Self::Value, E> {

@@ -17,6 +17,7 @@ use super::{
     Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
     Tessellation, bpt, default_control_points, load_texture, svg,
 };
+use crate::bezier::Degree;
 use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{CreaseAngle, Mesh, Smoothing};
@@ -154,6 +155,10 @@ impl Writer<'_> {
         } else if points.len() == surface.degree().points() {
             let rows: Vec<String> =
                 points.iter().map(|point| format!("    {},\n", control_point(*point))).collect();
+            let degree = surface.degree();
+            if Degree::from_point_count(points.len()).ok() != Some(degree) {
+                self.line("degree", format_args!("[{}, {}]", degree.u(), degree.v()));
+            }
             self.line("control_points", format_args!("[\n{}]", rows.concat()));
         } else {
             let file = self.patches(surface)?;
@@ -181,10 +186,10 @@ impl Writer<'_> {
             let value = format!("weight {} among several patches", points[index].w);
             return Err(Error::invalid(format!("control point {index}"), value, "weight 1"));
         }
-        let degree = surface.degree().side() - 1;
+        let degree = surface.degree();
         let mut text = format!("{}\n", surface.patches().len());
         for patch in points.chunks_exact(surface.degree().points()) {
-            let _ = writeln!(text, "{degree} {degree}");
+            let _ = writeln!(text, "{} {}", degree.u(), degree.v());
             for point in patch {
                 let _ = writeln!(text, "{:?} {:?} {:?}", point.x, point.y, point.z);
             }

@@ -143,12 +143,12 @@ fn edge(
     points: &[DVec4],
     side: usize,
 ) -> impl Iterator<Item = [u64; 4]> + Clone + '_ {
-    let n = degree.side();
-    let (start, step) = match side {
-        0 => (0, n),
-        1 => (0, 1),
-        2 => (n - 1, n),
-        _ => (n * (n - 1), 1),
+    let (columns, rows) = (degree.columns(), degree.rows());
+    let (start, step, n) = match side {
+        0 => (0, columns, rows),
+        1 => (0, 1, columns),
+        2 => (columns - 1, columns, rows),
+        _ => (columns * (rows - 1), 1, columns),
     };
     // Weights scaled by a common factor describe the same curve.
     let line = (0..n).map(move |i| points[start + i * step]);
@@ -179,7 +179,7 @@ mod tests {
 
     /// A patch over the square that begins at (x, y), its points turned and mirrored by `turn`.
     fn patch(degree: Degree, x: f64, y: f64, turn: u32) -> Vec<DVec4> {
-        let n = degree.side();
+        let n = degree.columns();
         let last = n - 1;
         (0..n * n)
             .map(|i| {
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn neighbours_are_found_in_all_eight_orientations() {
-        for degree in [Degree::Cubic, Degree::Quartic] {
+        for degree in [Degree::CUBIC, Degree::QUARTIC] {
             for turn in 0..8 {
                 let mut points = patch(degree, 0.0, 0.0, 0);
                 points.extend(patch(degree, 1.0, 0.0, turn));
@@ -212,9 +212,9 @@ mod tests {
 
     #[test]
     fn groups_and_other_weights_keep_edges_apart() {
-        let (a, mut b) = (patch(Degree::Cubic, 0.0, 0.0, 0), patch(Degree::Cubic, 1.0, 0.0, 0));
+        let (a, mut b) = (patch(Degree::CUBIC, 0.0, 0.0, 0), patch(Degree::CUBIC, 1.0, 0.0, 0));
         let count = |a: &[DVec4], b: &[DVec4], group: u32| {
-            let source = |points, group| EdgeSource { degree: Degree::Cubic, points, group };
+            let source = |points, group| EdgeSource { degree: Degree::CUBIC, points, group };
             EdgeTable::new(&[source(a, 0), source(b, group)]).count()
         };
         assert_eq!((count(&a, &b, 0), count(&a, &b, 1)), (7, 8));

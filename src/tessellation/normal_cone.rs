@@ -10,9 +10,6 @@ use glam::{DVec3, DVec4, Vec3};
 
 use crate::bezier::{Degree, homogeneous, split_slice};
 
-/// The maximum number of times that a patch is halved in each direction to narrow its cone.
-const MAX_SPLITS: u32 = 3;
-
 /// The form of evaluation that a patch needs. Each kind has its own shader programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PatchKind {
@@ -52,19 +49,19 @@ pub(crate) enum Eye {
 
 impl NormalCone {
     pub(crate) fn new(degree: Degree, points: &[DVec4]) -> Self {
-        let side = degree.side();
+        let (columns, rows) = (degree.columns(), degree.rows());
         let is_rational = points.iter().any(|point| point.w != 1.0);
         let unknown = Self { axis: Vec3::ZERO, sine: 1.0, is_rational };
-        let sum = |step: usize, from: usize| -> DVec3 {
-            (0..side).map(|i| points[from + i * step].truncate()).sum()
+        let sum = |step: usize, from: usize, count: usize| -> DVec3 {
+            (0..count).map(|i| points[from + i * step].truncate()).sum()
         };
-        let along_u = sum(side, side - 1) - sum(side, 0);
-        let along_v = sum(1, points.len() - side) - sum(1, 0);
+        let along_u = sum(columns, columns - 1, rows) - sum(columns, 0, rows);
+        let along_v = sum(1, points.len() - columns, columns) - sum(1, 0, columns);
         let Some(axis) = along_u.cross(along_v).try_normalize() else { return unknown };
         // Products of coordinates far from the origin would lose the differences between them.
         let origin = if is_rational { points[0].truncate().extend(0.0) } else { DVec4::ZERO };
         let points = points.iter().map(|point| homogeneous(*point - origin)).collect();
-        let net = Net { side, is_rational, points };
+        let net = Net { columns, rows, is_rational, points };
         let longest = net.tangents().map(|tangents| longest(&tangents));
         match net.min_cosine(axis, longest, 0) {
             Some(cosine) => {
@@ -107,9 +104,10 @@ impl NormalCone {
     }
 }
 
-/// A square net of homogeneous control points.
+/// A net of homogeneous control points.
 struct Net {
-    side: usize,
+    columns: usize,
+    rows: usize,
     is_rational: bool,
     points: Vec<DVec4>,
 }
@@ -117,20 +115,21 @@ struct Net {
 impl Net {
     /// Vectors of which all tangents along u, and along v, are positive sums, apart from a factor.
     fn tangents(&self) -> [Vec<DVec3>; 2] {
-        let side = self.side;
-        let along = |step: usize, rows: usize, columns: usize| -> Vec<DVec4> {
-            (0..rows * columns)
+        let (columns, rows) = (self.columns, self.rows);
+        let along = |step: usize, size: [usize; 2]| -> Vec<DVec4> {
+            (0..size[0] * size[1])
                 .map(|i| {
-                    let at = i / columns * side + i % columns;
+                    let at = i / size[0] * columns + i % size[0];
                     self.points[at + step] - self.points[at]
                 })
                 .collect()
         };
-        let (du, dv) = (along(1, side, side - 1), along(side, side - 1, side));
+        let [u_size, v_size] = [[columns - 1, rows], [columns, rows - 1]];
+        let (du, dv) = (along(1, u_size), along(columns, v_size));
         if !self.is_rational {
             return [du, dv].map(|net| net.iter().map(|point| point.truncate()).collect());
         }
-        [quotient(&du, [side - 1, side], self), quotient(&dv, [side, side - 1], self)]
+        [quotient(&du, u_size, self), quotient(&dv, v_size, self)]
     }
 
     /// The smallest cosine between the axis and any normal; `None` if a normal may vanish or turn further
@@ -145,6 +144,9 @@ impl Net {
         let mut long = true;
         for a in &along_u {
             long &= a.length() > SHORT * longest[0];
+            if !long || min <= MIN {
+                break;
+            }
             for b in &along_v {
                 let normal = a.cross(*b);
                 min = min.min(normal.dot(axis) / (a.length() * b.length()));
@@ -155,7 +157,7 @@ impl Net {
         if long && min > MIN {
             return Some(min);
         }
-        if splits == MAX_SPLITS {
+        if splits == self.max_splits() {
             return None;
         }
         let mut min = 1.0_f64;
@@ -168,21 +170,29 @@ impl Net {
         Some(min)
     }
 
+    /// The maximum number of times that the patch is halved in each direction to narrow its cone. Time grows with the
+    /// square of the number of control points.
+    const fn max_splits(&self) -> u32 {
+        if self.points.len() <= 36 { 3 } else { 1 }
+    }
+
     /// Split at the middle of u or v.
     fn halves(&self, along_u: bool) -> [Self; 2] {
-        let Self { side, is_rational, .. } = *self;
-        let place = |line: usize, i: usize| if along_u { line * side + i } else { i * side + line };
+        let Self { columns, rows, is_rational, .. } = *self;
+        let place =
+            |line: usize, i: usize| if along_u { line * columns + i } else { i * columns + line };
+        let (lines, count) = if along_u { (rows, columns) } else { (columns, rows) };
         let mut halves = [self.points.clone(), self.points.clone()];
-        for line in 0..side {
-            let mut before: Vec<DVec4> = (0..side).map(|i| self.points[place(line, i)]).collect();
+        for line in 0..lines {
+            let mut before: Vec<DVec4> = (0..count).map(|i| self.points[place(line, i)]).collect();
             let mut after = before.clone();
             split_slice(&mut before, &mut after, |a, b| 0.5 * (a + b));
-            for i in 0..side {
+            for i in 0..count {
                 halves[0][place(line, i)] = before[i];
                 halves[1][place(line, i)] = after[i];
             }
         }
-        halves.map(|points| Self { side, is_rational, points })
+        halves.map(|points| Self { columns, rows, is_rational, points })
     }
 }
 
@@ -193,15 +203,14 @@ fn longest(tangents: &[DVec3]) -> f64 {
 /// The Bernstein coefficients of A′·w − A·w′, where (A, w) is the patch of a net and `slopes` are the control
 /// points of its derivative, in the given columns and rows.
 fn quotient(slopes: &[DVec4], [columns, rows]: [usize; 2], net: &Net) -> Vec<DVec3> {
-    let side = net.side;
-    let size = [columns + side - 1, rows + side - 1];
+    let size = [columns + net.columns - 1, rows + net.rows - 1];
     let mut product = vec![DVec3::ZERO; size[0] * size[1]];
     for (i, slope) in slopes.iter().enumerate() {
         for (j, point) in net.points.iter().enumerate() {
             let of_slope = [i % columns, i / columns];
-            let of_point = [j % side, j / side];
-            let share = product_share([columns, side], [of_slope[0], of_point[0]])
-                * product_share([rows, side], [of_slope[1], of_point[1]]);
+            let of_point = [j % net.columns, j / net.columns];
+            let share = product_share([columns, net.columns], [of_slope[0], of_point[0]])
+                * product_share([rows, net.rows], [of_slope[1], of_point[1]]);
             let at = (of_slope[1] + of_point[1]) * size[0] + of_slope[0] + of_point[0];
             product[at] += share * (slope.truncate() * point.w - point.truncate() * slope.w);
         }
@@ -242,7 +251,7 @@ mod tests {
 
     /// The largest angle between the axis and normals of a fine grid, as a sine.
     fn turned(points: &[DVec4], axis: Vec3) -> f64 {
-        let patch = Patch::new(Degree::Cubic, points);
+        let patch = Patch::new(Degree::CUBIC, points);
         let places = (0..=32).flat_map(|i| (0..=32).map(move |j| [i, j]));
         places
             .map(|place| {
@@ -257,7 +266,7 @@ mod tests {
     #[test]
     fn the_cone_of_a_rational_patch_holds_its_normals() {
         let points = cylinder();
-        let cone = NormalCone::new(Degree::Cubic, &points);
+        let cone = NormalCone::new(Degree::CUBIC, &points);
         assert_eq!(cone.kind(), PatchKind::Rational);
         // Normals of a quarter turn by 45 degrees to either side of the middle.
         let turned = turned(&points, cone.axis);
@@ -280,7 +289,7 @@ mod tests {
                     DVec4::new(x, y, z, 0.3 + 2.0 * noise(i + 16))
                 })
                 .collect();
-            let cone = NormalCone::new(Degree::Cubic, &points);
+            let cone = NormalCone::new(Degree::CUBIC, &points);
             if cone.kind() == PatchKind::Rational {
                 assert!(turned(&points, cone.axis) <= f64::from(cone.sine), "{seed}");
             }
@@ -289,13 +298,13 @@ mod tests {
 
     #[test]
     fn the_cone_is_the_same_far_from_the_origin() {
-        let here = NormalCone::new(Degree::Cubic, &cylinder());
+        let here = NormalCone::new(Degree::CUBIC, &cylinder());
         // A power of two, and multiples of its last bit: the points themselves stay exact.
         let far = DVec3::new(1.0, -2.0, 1.0) * 2_f64.powi(46);
         let exact = |point: &DVec4| (point.truncate() * 256.0).round().extend(point.w);
         let near: Vec<DVec4> = cylinder().iter().map(exact).collect();
         let moved: Vec<DVec4> = near.iter().map(|p| (p.truncate() + far).extend(p.w)).collect();
-        let [near, moved] = [near, moved].map(|points| NormalCone::new(Degree::Cubic, &points));
+        let [near, moved] = [near, moved].map(|points| NormalCone::new(Degree::CUBIC, &points));
         assert!((near.sine - here.sine).abs() < 0.01);
         assert_eq!(moved, near);
     }
@@ -303,7 +312,7 @@ mod tests {
     #[test]
     fn the_back_of_a_rational_patch_is_known() {
         let points = cylinder();
-        let cone = NormalCone::new(Degree::Cubic, &points);
+        let cone = NormalCone::new(Degree::CUBIC, &points);
         // u turns from x to y, v runs along z: Su × Sv points outwards.
         let away = |x: f64, y: f64| cone.faces_away(&points, Eye::At(DVec3::new(x, y, 1.5)), 1.0);
         assert!(away(-9.0, -9.0) && !away(9.0, 9.0) && !away(9.0, -9.0));
@@ -320,7 +329,7 @@ mod tests {
             }
             let first = points[0];
             points[..4].fill(first);
-            let cone = NormalCone::new(Degree::Cubic, &points);
+            let cone = NormalCone::new(Degree::CUBIC, &points);
             assert_eq!(cone.kind(), PatchKind::Degenerate);
             assert_eq!(cone.is_rational(), weight != 1.0);
         }

@@ -28,6 +28,7 @@ use super::bound::{
 };
 use super::edges::{EdgeTable, SIDES};
 use super::normal_cone::{Eye, NormalCone, PatchKind};
+use super::square_nets::with_side;
 use super::sub_patches::{Cut, FixedSplit, Tessellated, TrimSplits};
 use crate::bezier::Degree;
 use crate::scene::TessLevel;
@@ -83,8 +84,10 @@ pub(crate) struct Lists {
 #[derive(Debug)]
 pub(crate) struct SurfacePatches<'a> {
     pub(crate) degree: Degree,
-    /// (x, y, z, weight) of all patches.
-    pub(crate) points: &'a [DVec4],
+    /// Points along a side of the patches' square nets.
+    pub(crate) net_side: usize,
+    /// (x, y, z, weight) of the square nets of all patches ([`super::SquareNets`]).
+    pub(crate) nets: &'a [DVec4],
     pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
     pub(crate) cones: &'a [NormalCone],
@@ -101,9 +104,9 @@ pub(crate) struct SurfacePatches<'a> {
 }
 
 impl SurfacePatches<'_> {
-    /// Control points of all patches.
+    /// The square nets of all patches.
     fn patches<const N: usize>(&self) -> &[Points<N>] {
-        self.points.as_chunks().0.as_chunks().0
+        self.nets.as_chunks().0.as_chunks().0
     }
 
     /// Whether a patch is culled because it faces away.
@@ -271,10 +274,7 @@ impl Plan {
     ) {
         self.clear(lists);
         for surface in surfaces {
-            match surface.degree {
-                Degree::Cubic => self.surface_at_level::<4>(surface, screen, level),
-                Degree::Quartic => self.surface_at_level::<5>(surface, screen, level),
-            }
+            with_side!(surface.net_side, N => self.surface_at_level::<N>(surface, screen, level));
         }
     }
 
@@ -324,10 +324,7 @@ impl Plan {
         self.clear(lists);
         self.edges.resize(table.count(), Edge::default());
         for surface in &mut *surfaces {
-            match surface.degree {
-                Degree::Cubic => self.surface_within::<4>(surface, table, screen),
-                Degree::Quartic => self.surface_within::<5>(surface, table, screen),
-            }
+            with_side!(surface.net_side, N => self.surface_within::<N>(surface, table, screen));
         }
         self.agree(table);
         for surface in surfaces {

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, DVec4};
 
-use crate::bezier::{Patch, de_casteljau};
+use crate::bezier::{Degree, Patch, de_casteljau};
 
 /// Listings 4 to 6: the tangent along v at (u, v), crossed with the tangent along u **of the last row**, because the
 /// listing's second variable still holds that tangent. Zero where a tangent vanishes.
@@ -10,15 +10,15 @@ use crate::bezier::{Patch, de_casteljau};
 /// It is correct on the border v = 1. Inside the patch it points in a wrong direction.
 #[must_use]
 pub fn thesis_normal(patch: &Patch<'_>, u: f64, v: f64) -> DVec3 {
-    let side = patch.degree().side();
+    let (columns, rows) = (patch.degree().columns(), patch.degree().rows());
     let mut along_u = DVec3::ZERO;
-    let mut column = [DVec4::ZERO; 5];
-    for (row, point) in column.iter_mut().enumerate().take(side) {
-        let end = de_casteljau(&patch.homogeneous_row(row)[..side], u);
+    let mut column = [DVec4::ZERO; Degree::MAX + 1];
+    for (row, point) in column.iter_mut().enumerate().take(rows) {
+        let end = de_casteljau(&patch.homogeneous_row(row)[..columns], u);
         along_u = direction(end.last);
         *point = end.point;
     }
-    let along_v = direction(de_casteljau(&column[..side], v).last);
+    let along_v = direction(de_casteljau(&column[..rows], v).last);
     along_v.cross(along_u).normalize_or_zero()
 }
 
@@ -29,12 +29,11 @@ fn direction([from, to]: [DVec4; 2]) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bezier::Degree;
     use crate::scene::default_control_points;
 
     /// Angles in degrees between the thesis' normal and the true one (Sv × Su), over a grid.
     fn turned(points: &[DVec4]) -> Vec<f64> {
-        let patch = Patch::new(Degree::Cubic, points);
+        let patch = Patch::new(Degree::CUBIC, points);
         (0..=20 * 21)
             .map(|i| (f64::from(i % 21) / 20.0, f64::from(i / 21) / 20.0))
             .filter_map(|(u, v)| {
@@ -68,7 +67,7 @@ mod tests {
         for index in [5, 6, 9, 10, 13, 14] {
             points[index].y = 0.4;
         }
-        let patch = Patch::new(Degree::Cubic, &points);
+        let patch = Patch::new(Degree::CUBIC, &points);
         for step in 0..=10 {
             let u = f64::from(step) / 10.0;
             let right = -patch.normal(u, 1.0).unwrap();
@@ -82,7 +81,7 @@ mod tests {
         for i in 12..16 {
             points[i] = points[12];
         }
-        let patch = Patch::new(Degree::Cubic, &points);
+        let patch = Patch::new(Degree::CUBIC, &points);
         assert_eq!(thesis_normal(&patch, 0.3, 0.4), DVec3::ZERO);
     }
 }

@@ -35,7 +35,7 @@ impl FreeFormSurface {
     /// # Errors
     /// The driver has no memory for it.
     pub fn new(renderer: &Renderer) -> Result<Self> {
-        let surface = Surface::new(Degree::Cubic, default_control_points())?;
+        let surface = Surface::new(Degree::CUBIC, default_control_points())?;
         Self::from_surface(renderer, surface)
     }
 
@@ -47,6 +47,23 @@ impl FreeFormSurface {
         let degree = Degree::from_point_count(points.len())?;
         let points = points.iter().map(|point| point.extend(1.0)).collect();
         Self::from_surface(renderer, Surface::new(degree, points)?)
+    }
+
+    /// A surface of `columns` × `rows` control points, row by row: a patch of degrees `columns` − 1 and `rows` − 1. The
+    /// thesis' method draws only 4×4 and 5×5, the exact method all from 2×2 to 16×16.
+    ///
+    /// # Errors
+    /// A number of columns or rows that is not from 2 to 16, another number of points, a point that is not finite, no
+    /// memory.
+    pub fn with_grid(
+        renderer: &Renderer,
+        columns: usize,
+        rows: usize,
+        points: &[DVec3],
+    ) -> Result<Self> {
+        let degree = Degree::new(columns.saturating_sub(1), rows.saturating_sub(1))?;
+        let points = points.iter().map(|point| point.extend(1.0)).collect();
+        Self::from_surface(renderer, Surface::of_patch(degree, points)?)
     }
 
     /// A surface of one or more patches, with its transform, paint and trims.

@@ -382,11 +382,12 @@ impl State {
     /// Chooses the method for trims and normals.
     ///
     /// # Errors
-    /// The thesis' method cannot cut the trims.
+    /// The thesis' method cannot draw the degrees or cut the trims.
     pub(crate) fn set_method(&mut self, method: Method) -> Result<()> {
         if method == Method::Thesis {
             for (number, surface) in self.scene.surfaces.iter().enumerate() {
-                check_for_thesis(&surface.trims)
+                (surface.degree().check_for_thesis())
+                    .and_then(|()| check_for_thesis(&surface.trims))
                     .map_err(|error| error.within(format!("surface {number}")))?;
             }
         }

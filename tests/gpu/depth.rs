@@ -53,8 +53,8 @@ fn plane(drawer: Drawer, distance: f64, tilt: f64, color: [f32; 3], scene: &mut 
         scene.meshes.push(model);
         return;
     }
-    let degree = if drawer == Drawer::Report { Degree::Quartic } else { Degree::Cubic };
-    let side = degree.side();
+    let degree = if drawer == Drawer::Report { Degree::QUARTIC } else { Degree::CUBIC };
+    let side = degree.columns();
     let at = |i: usize| i as f64 / (side - 1) as f64;
     let points: Vec<DVec4> =
         (0..side * side).map(|i| place(at(i % side), at(i / side)).extend(1.0)).collect();

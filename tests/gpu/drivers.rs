@@ -67,7 +67,7 @@ fn wrong_numbers(aovs: &Aovs, number: impl Fn(DVec2) -> usize) -> Vec<Wrong> {
 #[test]
 fn patches_keep_their_numbers_however_draws_are_divided() {
     let square = |number: usize, degree: Degree| {
-        let side = degree.side();
+        let side = degree.columns();
         let first = dvec2((number % SIDE) as f64, (number / SIDE) as f64);
         (0..side * side).map(move |i| {
             let at = |i: usize| i as f64 / (side - 1) as f64;
@@ -81,7 +81,7 @@ fn patches_keep_their_numbers_however_draws_are_divided() {
             // The surfaces have one, two, three … rows of patches.
             let mut first = 0;
             for rows in 1.. {
-                let degree = if rows % 2 == 1 { Degree::Quartic } else { Degree::Cubic };
+                let degree = if rows % 2 == 1 { Degree::QUARTIC } else { Degree::CUBIC };
                 let last = SIDE.min(first + rows);
                 let points = (first * SIDE..last * SIDE).flat_map(|patch| square(patch, degree));
                 scene.surfaces.push(Surface::new(degree, points.collect()).unwrap());

@@ -105,7 +105,7 @@ fn both_sides_are_lit_alike() {
     for surface in &mut scene.surfaces {
         // Reversing the rows reverses the normals.
         let degree = surface.degree();
-        let side = degree.side();
+        let side = degree.columns();
         let points: Vec<_> = surface
             .control_points()
             .chunks(degree.points())

@@ -145,14 +145,14 @@ fn what_is_transparent_is_a_hole() {
             .map(move |i| glam::DVec4::new(at(i % side), at(i / side), 0.0, 1.0))
             .collect()
     };
-    for degree in [None, Some(Degree::Cubic), Some(Degree::Quartic)] {
+    for degree in [None, Some(Degree::CUBIC), Some(Degree::QUARTIC)] {
         for method in [Method::Exact, Method::Thesis] {
             let mut scene = scene(read(text), Smoothing::None);
             scene.settings.method = method;
             scene.settings.background = [0.0, 0.0, 1.0, 1.0];
             scene.meshes[0].paint = paint.clone();
             if let Some(degree) = degree {
-                let mut surface = Surface::new(degree, points(degree.side())).unwrap();
+                let mut surface = Surface::new(degree, points(degree.columns())).unwrap();
                 surface.paint = paint.clone();
                 surface.shading = Shading::Unlit;
                 scene.surfaces.push(surface);

@@ -52,7 +52,7 @@ fn storage_binding(context: &Headless, program: &Program, block: &str) -> Option
 fn the_thesis_program_has_every_name_of_the_listings() {
     for backend in backends() {
         let context = Checked::new(backend);
-        for degree in [Degree::Cubic, Degree::Quartic] {
+        for degree in [Degree::CUBIC, Degree::QUARTIC] {
             let key = ProgramKey {
                 pipeline: Pipeline::Thesis(degree),
                 shading: Shading::Phong,
@@ -129,7 +129,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
     let context = Checked::new(backends()[0]);
     let link = |trims| {
         let key = ProgramKey {
-            pipeline: Pipeline::Thesis(Degree::Cubic),
+            pipeline: Pipeline::Thesis(Degree::CUBIC),
             shading: Shading::Phong,
             trims,
             output: Output::Picture,
@@ -165,9 +165,9 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
         TrimFeatures::ALL,
     ] {
         for (pipeline, shading) in [
-            (Pipeline::Thesis(Degree::Cubic), Shading::Phong),
-            (Pipeline::Thesis(Degree::Quartic), Shading::Normals),
-            (Pipeline::Thesis(Degree::Cubic), Shading::Unlit),
+            (Pipeline::Thesis(Degree::CUBIC), Shading::Phong),
+            (Pipeline::Thesis(Degree::QUARTIC), Shading::Normals),
+            (Pipeline::Thesis(Degree::CUBIC), Shading::Unlit),
             (Pipeline::Report, Shading::Unlit),
         ] {
             let key = ProgramKey {
@@ -199,7 +199,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
         };
         for (degree, samples, shading, patches, normals, output) in [
             (
-                Degree::Cubic,
+                Degree::CUBIC,
                 1,
                 Shading::Phong,
                 PatchKind::Polynomial,
@@ -207,7 +207,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
                 Output::Picture,
             ),
             (
-                Degree::Quartic,
+                Degree::QUARTIC,
                 4,
                 Shading::Normals,
                 PatchKind::Degenerate,
@@ -215,15 +215,15 @@ fn the_exact_program_compiles_for_all_it_may_have() {
                 Output::Picture,
             ),
             (
-                Degree::Cubic,
+                Degree::CUBIC,
                 4,
                 Shading::Unlit,
                 PatchKind::Rational,
                 Normals::Vertex,
                 Output::Picture,
             ),
-            (Degree::Quartic, 1, Shading::Phong, PatchKind::Rational, Normals::Pixel, Output::Aovs),
-            (Degree::Cubic, 1, Shading::Unlit, PatchKind::Degenerate, Normals::Pixel, Output::Aovs),
+            (Degree::QUARTIC, 1, Shading::Phong, PatchKind::Rational, Normals::Pixel, Output::Aovs),
+            (Degree::CUBIC, 1, Shading::Unlit, PatchKind::Degenerate, Normals::Pixel, Output::Aovs),
         ] {
             let shared = has(4);
             let pipeline = Pipeline::Exact { degree, samples, patches, shared, normals };
@@ -250,7 +250,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
 fn a_broken_shader_is_reported_with_stage_file_and_line() {
     let context = Checked::new(backends()[0]);
     let key = ProgramKey {
-        pipeline: Pipeline::Thesis(Degree::Cubic),
+        pipeline: Pipeline::Thesis(Degree::CUBIC),
         shading: Shading::Phong,
         trims: TrimFeatures::ALL,
         output: Output::Picture,

@@ -223,7 +223,7 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
     assert!(surface.add_circle(bare).unwrap_err().to_string().contains("circle radius"));
     let projective = DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::Z, DVec4::ONE * 0.5);
     assert!(surface.set_model_matrix(projective).unwrap_err().to_string().contains("last row"));
-    let mut plain = Surface::new(Degree::Cubic, surface.control_points().to_vec()).unwrap();
+    let mut plain = Surface::new(Degree::CUBIC, surface.control_points().to_vec()).unwrap();
     plain.trims.circles.push(bare);
     assert!(FreeFormSurface::from_surface(stage.renderer(), plain).is_err());
     // The matrix of a mesh is refused too.
@@ -239,7 +239,7 @@ fn moving_a_point_moves_the_surface_and_a_bad_point_leaves_it() {
         Segment::Line([DVec2::ZERO, DVec2::ONE]),
         Segment::Line([DVec2::ONE, DVec2::ZERO]),
     ]);
-    let mut with_line = Surface::new(Degree::Cubic, surface.control_points().to_vec()).unwrap();
+    let mut with_line = Surface::new(Degree::CUBIC, surface.control_points().to_vec()).unwrap();
     with_line.trims.loops.push(line.unwrap());
     let mut with_line = FreeFormSurface::from_surface(stage.renderer(), with_line).unwrap();
     assert!(with_line.render(stage.stage.renderer_mut(), &stage.frame).is_ok());
@@ -296,9 +296,9 @@ fn rational_patches_match_the_reference() {
         .map(|(x, y, w)| DVec4::new(x * w, y * w, 0.0, w));
     let cubic = raise(&quadratic);
     let quartic = raise(&cubic);
-    for (degree, arc) in [(Degree::Cubic, cubic), (Degree::Quartic, quartic)] {
+    for (degree, arc) in [(Degree::CUBIC, cubic), (Degree::QUARTIC, quartic)] {
         for shading in [Shading::Unlit, Shading::Normals, Shading::Phong] {
-            let side = degree.side();
+            let side = degree.columns();
             let points = (0..degree.points())
                 .map(|i| {
                     let point = arc[i % side];
@@ -363,13 +363,13 @@ fn sixty_four_patches(points: &[DVec4], method: Method) {
     let mut scene = Scene::listing16();
     scene.settings.method = method;
     scene.settings.tessellation = Tessellation::Level(TessLevel::MAX);
-    scene.surfaces = vec![Surface::new(Degree::Cubic, points.to_vec()).unwrap()];
+    scene.surfaces = vec![Surface::new(Degree::CUBIC, points.to_vec()).unwrap()];
     let together = render(&scene, SIZE, backends()[0]);
 
     // The same camera and clip planes, but one surface for each patch.
     scene.surfaces = points
         .chunks(16)
-        .map(|patch| Surface::new(Degree::Cubic, patch.to_vec()).unwrap())
+        .map(|patch| Surface::new(Degree::CUBIC, patch.to_vec()).unwrap())
         .collect();
     let context = Checked::new(backends()[0]);
     let target = Framebuffer::new(context.gl(), SIZE.x, SIZE.y).unwrap();

@@ -1,7 +1,7 @@
 //! Tessellation of patches: neighbours meet, there are no more triangles than necessary, draws are small enough
 //! for the driver's numbering, and nothing invisible is drawn.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use freeform_surface::inspect::DrawnVertex;
 use freeform_surface::inspect::measure::Random;
@@ -10,162 +10,13 @@ use freeform_surface::{Camera, Circle, Cull, Degree, Frame, Image, Lens, Patch, 
 use glam::{DMat4, DVec2, DVec3, DVec4, dvec2, dvec3, uvec2};
 
 use crate::harness::Stage;
+use crate::harness::neighbours::{by_patch, check_insides, check_neighbours};
 use crate::harness::patches::{at_level, count_drawn, field, is_long, scene_of, turned, within};
 use crate::harness::{assert_same, load, root};
 
 fn teapot() -> Scene {
     let scene = load(&root().join("resources/surfaces/teapot.bpt"));
     Scene { settings: within(0.5), ..scene }
-}
-
-/// A patch's side, numbered u = 0, v = 0, u = 1, v = 1.
-type Side = usize;
-
-/// Whether a place in the domain is on a side.
-fn is_on(side: Side, uv: [f32; 2]) -> bool {
-    uv[side % 2] == (side / 2) as f32
-}
-
-/// The control points of a side, from its lower end.
-fn control_points_of(side: Side, degree: Degree, points: &[DVec4]) -> Vec<DVec4> {
-    let n = degree.side();
-    let last = (side / 2) * (n - 1);
-    let place = |i: usize| if side.is_multiple_of(2) { i * n + last } else { last * n + i };
-    (0..n).map(|i| points[place(i)]).collect()
-}
-
-/// The factor between the weights of `a` and those of `b`, if both are the same curve in either direction and
-/// the factor is a power of two, which scales without rounding.
-fn ratio_of_one_curve(a: &[DVec4], b: &[DVec4]) -> Option<f64> {
-    let ratio_along = |b: &mut dyn Iterator<Item = &DVec4>| {
-        let pairs: Vec<_> = a.iter().zip(b).collect();
-        let ratio = a[0].w / pairs[0].1.w;
-        let same = pairs.iter().all(|(a, b)| a.truncate() == b.truncate() && a.w == ratio * b.w);
-        (same && ratio.log2().fract() == 0.0).then_some(ratio)
-    };
-    ratio_along(&mut b.iter()).or_else(|| ratio_along(&mut b.iter().rev()))
-}
-
-/// A point in clip space, to the last bit.
-type Bits = [u32; 4];
-/// The two ends of an edge of a triangle: places and (u, v).
-type Ends = [(Bits, [u32; 2]); 2];
-
-/// The segments of a side that belong to drawn triangles, each as a pair of vertices.
-fn segments(corners: &[&[DrawnVertex; 3]], side: Side, weight: f32) -> BTreeSet<[Bits; 2]> {
-    let bits = |vertex: &DrawnVertex| vertex.clip.map(|x| (x * weight).to_bits());
-    let mut found = BTreeSet::new();
-    for triangle in corners {
-        for i in 0..3 {
-            let (a, b) = (&triangle[i], &triangle[(i + 1) % 3]);
-            let both = is_on(side, a.uv) && is_on(side, b.uv) && a.uv != b.uv;
-            if both && is_seen([a, b]) {
-                let (a, b) = (bits(a), bits(b));
-                found.insert(if a < b { [a, b] } else { [b, a] });
-            }
-        }
-    }
-    found
-}
-
-/// Whether a line is visible, that is, extends into the view frustum by more than the tolerance. Triangles
-/// beside an invisible line do not have to be drawn.
-fn is_seen(ends: [&DrawnVertex; 2]) -> bool {
-    const MIN: f64 = 1.0 - 2e-3;
-    let mut seen = [0.0_f64, 1.0];
-    for axis in 0..3 {
-        for sign in [-1.0, 1.0] {
-            let [a, b] = ends.map(|end| {
-                let [w, x] = [end.clip[3], end.clip[axis]].map(f64::from);
-                MIN * w - sign * x
-            });
-            let crossing = a / (a - b);
-            match (a > 0.0, b > 0.0) {
-                (true, true) => {}
-                (true, false) => seen[1] = seen[1].min(crossing),
-                (false, true) => seen[0] = seen[0].max(crossing),
-                (false, false) => return false,
-            }
-        }
-    }
-    seen[0] < seen[1]
-}
-
-/// The triangles of each patch, without those of zero area.
-fn by_patch(drawn: &[DrawnVertex]) -> HashMap<u32, Vec<&[DrawnVertex; 3]>> {
-    let mut patches: HashMap<u32, Vec<&[DrawnVertex; 3]>> = HashMap::new();
-    for triangle in drawn.as_chunks::<3>().0 {
-        let [a, b, c] = triangle.each_ref().map(|vertex| vertex.uv);
-        if a != b && b != c && c != a {
-            patches.entry(triangle[0].patch).or_default().push(triangle);
-        }
-    }
-    patches
-}
-
-/// The amount of the scene's patches that was compared.
-#[derive(Default)]
-struct Met {
-    /// Pairs of sides with visible segments.
-    pairs: usize,
-    /// Segments of sides.
-    segments: usize,
-}
-
-/// Fails unless neighbours have the same vertices on the sides that they share.
-fn check_neighbours(name: &str, scene: &Scene, drawn: &[DrawnVertex]) -> Met {
-    let patches = by_patch(drawn);
-    let mut sides: Vec<(usize, Side, Vec<DVec4>)> = Vec::new();
-    let all = scene.surfaces.iter().flat_map(Surface::patches);
-    let mut met = Met::default();
-    for (number, patch) in all.enumerate() {
-        for side in 0..4 {
-            let points = control_points_of(side, patch.degree(), patch.points());
-            for (other, other_side, others) in &sides {
-                let Some(ratio) = ratio_of_one_curve(&points, others) else { continue };
-                let of = |patch: usize, side: Side, weight: f32| {
-                    patches
-                        .get(&(patch as u32))
-                        .map_or_else(BTreeSet::new, |corners| segments(corners, side, weight))
-                };
-                let (a, b) = (of(number, side, 1.0), of(*other, *other_side, ratio as f32));
-                assert!(
-                    a == b,
-                    "{name}: side {side} of patch {number} has {} segments, side {other_side} of \
-                     patch {other} has {}, of them {} alike",
-                    a.len(),
-                    b.len(),
-                    a.intersection(&b).count()
-                );
-                met.pairs += usize::from(!a.is_empty());
-                met.segments += a.len();
-            }
-            sides.push((number, side, points));
-        }
-    }
-    met
-}
-
-/// Fails unless every edge within a patch belongs to two triangles, so that the patch's sub-patches meet.
-fn check_insides(name: &str, drawn: &[DrawnVertex]) {
-    for (number, triangles) in by_patch(drawn) {
-        let mut edges: HashMap<Ends, (usize, bool)> = HashMap::new();
-        for triangle in triangles {
-            for i in 0..3 {
-                let ends = [&triangle[i], &triangle[(i + 1) % 3]];
-                let at_border = (0..4).any(|side| ends.iter().all(|end| is_on(side, end.uv)));
-                let mut key =
-                    ends.map(|end| (end.clip.map(f32::to_bits), end.uv.map(f32::to_bits)));
-                key.sort_unstable();
-                let edge = edges.entry(key).or_insert((0, at_border || !is_seen(ends)));
-                edge.0 += 1;
-            }
-        }
-        for (ends, (count, free)) in edges {
-            let uv = ends.map(|(_, uv)| uv.map(f32::from_bits));
-            assert!(free || count == 2, "{name}: patch {number}, {uv:?} in {count} triangles");
-        }
-    }
 }
 
 /// The scene's own view and random views, with the same number of each family.
@@ -203,8 +54,8 @@ fn patches_of_the_teapot_meet_bit_for_bit() {
 fn all_parts_of_a_patch_are_drawn_once() {
     let mut stage = Stage::new(uvec2(1920, 1080));
     let mut random = Random(9);
-    for degree in [Degree::Cubic, Degree::Quartic] {
-        let [_, rough] = pair(&mut random, degree, false, 0);
+    for degree in [Degree::CUBIC, Degree::QUARTIC] {
+        let [_, (_, rough)] = pair(&mut random, [degree; 2], false, 0);
         let mut scene = scene_of(vec![Surface::new(degree, rough).unwrap()]);
         scene.settings = within(0.02);
         let mut prepared = stage.prepared(&scene);
@@ -232,27 +83,32 @@ fn all_parts_of_a_patch_are_drawn_once() {
     }
 }
 
-/// Two patches side by side, turned by `turn`: the first is nearly flat, the second is rough.
-fn pair(random: &mut Random, degree: Degree, rational: bool, turn: usize) -> [Vec<DVec4>; 2] {
-    let n = degree.side();
-    let step = 1.0 / (n - 1) as f64;
-    let mut net = |x: f64, rough: f64| -> Vec<DVec4> {
-        (0..n * n)
+/// A patch by its degree and its net.
+type Net = (Degree, Vec<DVec4>);
+
+/// Two patches of the given degrees side by side: the first is nearly flat, the second is rough and turned by
+/// `turn`. The degrees along the common edge are equal.
+fn pair(random: &mut Random, degrees: [Degree; 2], rational: bool, turn: usize) -> [Net; 2] {
+    let mut net = |degree: Degree, x: f64, rough: f64| -> Vec<DVec4> {
+        let (columns, steps) = (degree.columns(), [degree.u(), degree.v()].map(|n| n as f64));
+        (0..degree.points())
             .map(|i| {
-                let mut place =
-                    |cell: usize| cell as f64 * step + rough * random.between(-0.3, 0.3) * step;
-                let (x, y) = (x + place(i % n), place(i / n));
+                let mut place = |cell: usize, steps: f64| {
+                    (cell as f64 + rough * random.between(-0.3, 0.3)) / steps
+                };
+                let (x, y) = (x + place(i % columns, steps[0]), place(i / columns, steps[1]));
                 let weight =
                     if rational { (rough * random.between(-1.5, 1.5)).exp2() } else { 1.0 };
                 DVec4::new(x, y, rough * random.between(-1.0, 1.0), weight)
             })
             .collect()
     };
-    let (flat, mut rough) = (net(0.0, 0.02), net(1.0, 1.0));
-    for row in 0..n {
-        rough[row * n] = flat[row * n + n - 1];
+    let (flat, mut rough) = (net(degrees[0], 0.0, 0.02), net(degrees[1], 1.0, 1.0));
+    let columns = degrees.map(Degree::columns);
+    for row in 0..degrees[1].rows() {
+        rough[row * columns[1]] = flat[row * columns[0] + columns[0] - 1];
     }
-    [flat, turned(degree, &rough, turn)]
+    [(degrees[0], flat), turned(degrees[1], &rough, turn)]
 }
 
 #[test]
@@ -261,43 +117,67 @@ fn random_patches_meet_in_every_orientation() {
     let mut random = Random(1);
     let of_each = if is_long() { 10 } else { 1 };
     let hole = Circle::new(dvec2(0.5, 0.5), 0.45).unwrap();
-    for degree in [Degree::Cubic, Degree::Quartic] {
-        for (rational, turn) in (0..16).map(|i| (i >= 8, i % 8)) {
-            let [flat, rough] = pair(&mut random, degree, rational, turn);
-            let surface = |points: &[DVec4]| Surface::new(degree, points.to_vec()).unwrap();
-            let trimmed = |mut surface: Surface| {
-                surface.trims.circles.push(hole);
-                surface
-            };
-            let together = surface(&[flat.as_slice(), &rough].concat());
-            // The flat patch with all weights doubled.
-            let heavy: Vec<DVec4> = flat.iter().map(|p| p.truncate().extend(2.0 * p.w)).collect();
-            for (how, surfaces) in [
-                ("one surface", vec![together]),
-                ("two surfaces", vec![surface(&flat), surface(&rough)]),
-                ("twice as heavy", vec![surface(&heavy), surface(&rough)]),
-                ("rough one trimmed", vec![surface(&flat), trimmed(surface(&rough))]),
-                ("flat one trimmed", vec![trimmed(surface(&flat)), surface(&rough)]),
-            ] {
-                let mut scene = scene_of(surfaces);
-                let mut prepared = stage.prepared(&scene);
-                let whole = !how.ends_with("trimmed");
-                for (view, camera) in views(&scene, stage.aspect(), of_each).into_iter().enumerate()
-                {
-                    let name =
-                        format!("{degree:?} rational {rational} turn {turn} {how} view {view}");
-                    scene.camera = camera;
-                    let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
-                    let met = check_neighbours(&name, &scene, &drawn);
-                    if whole {
-                        check_insides(&name, &drawn);
-                    }
-                    if view == 0 {
-                        let count = by_patch(&drawn);
-                        let [flat, rough] = [0, 1].map(|patch| count[&patch].len());
-                        assert!(met.pairs == 1 && met.segments > 4, "{name}: {}", met.segments);
-                        assert!(rough > 2 * flat, "{name}: {flat} and {rough} triangles");
-                    }
+    let degree = |u: usize, v: usize| Degree::new(u, v).unwrap();
+    let mut cases: Vec<([Degree; 2], bool, usize)> = Vec::new();
+    for degree in [Degree::CUBIC, Degree::QUARTIC] {
+        cases.extend((0..16).map(|i| ([degree; 2], i >= 8, i % 8)));
+    }
+    for (i, degrees) in [
+        [degree(1, 1), degree(1, 1)],
+        [degree(2, 1), degree(1, 1)],
+        [degree(1, 2), degree(2, 2)],
+        [degree(1, 3), degree(3, 3)],
+        [degree(4, 3), degree(2, 3)],
+        [degree(2, 5), degree(7, 5)],
+        [degree(6, 6), degree(1, 6)],
+        [degree(3, 8), degree(9, 8)],
+        [degree(15, 15), degree(2, 15)],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        cases.extend([(degrees, false, i % 8), (degrees, true, (i + 3) % 8)]);
+    }
+    for (degrees, rational, turn) in cases {
+        let [flat, rough] = pair(&mut random, degrees, rational, turn);
+        let surface = |(degree, points): &Net| Surface::new(*degree, points.clone()).unwrap();
+        let trimmed = |mut surface: Surface| {
+            surface.trims.circles.push(hole);
+            surface
+        };
+        // The flat patch with all weights doubled.
+        let heavy = flat.1.iter().map(|p| p.truncate().extend(2.0 * p.w)).collect();
+        let mut scenes = vec![
+            ("two surfaces", vec![surface(&flat), surface(&rough)]),
+            ("twice as heavy", vec![surface(&(flat.0, heavy)), surface(&rough)]),
+            ("rough one trimmed", vec![surface(&flat), trimmed(surface(&rough))]),
+            ("flat one trimmed", vec![trimmed(surface(&flat)), surface(&rough)]),
+        ];
+        if flat.0 == rough.0 {
+            let together = [flat.1.as_slice(), &rough.1].concat();
+            scenes.push(("one surface", vec![surface(&(flat.0, together))]));
+        }
+        for (how, surfaces) in scenes {
+            let mut scene = scene_of(surfaces);
+            let mut prepared = stage.prepared(&scene);
+            let whole = !how.ends_with("trimmed");
+            for (view, camera) in views(&scene, stage.aspect(), of_each).into_iter().enumerate() {
+                let [a, b] = degrees;
+                let name =
+                    format!("{a} and {b}, rational {rational} turn {turn} {how} view {view}");
+                scene.camera = camera;
+                let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+                let met = check_neighbours(&name, &scene, &drawn);
+                if whole {
+                    check_insides(&name, &drawn);
+                }
+                if view == 0 {
+                    let count = by_patch(&drawn);
+                    let [flat, rough] = [0, 1].map(|patch| count[&patch].len());
+                    assert!(met.pairs == 1 && met.segments > 4, "{name}: {}", met.segments);
+                    // Of equal degrees, the rough patch has more triangles than its neighbour.
+                    let is_rougher = rough > 2 * flat || degrees[0] != degrees[1];
+                    assert!(is_rougher || degrees[0].u() < 3, "{name}: {flat}, {rough} triangles");
                 }
             }
         }
@@ -329,7 +209,7 @@ fn rough_field(side: usize) -> Scene {
         (2, 2) => 0.4,
         _ => heights[row * points_a_side + column],
     });
-    scene_of(vec![Surface::new(Degree::Cubic, points).unwrap()])
+    scene_of(vec![Surface::new(Degree::CUBIC, points).unwrap()])
 }
 
 #[test]
@@ -366,7 +246,7 @@ fn is_outside(points: &[DVec4], to_clip: DMat4) -> bool {
 
 /// Whether one of 17 × 17 points of a patch is visible.
 fn has_point_inside(points: &[DVec4], to_clip: DMat4) -> bool {
-    let patch = Patch::new(Degree::Cubic, points);
+    let patch = Patch::new(Degree::CUBIC, points);
     (0..17 * 17).any(|i| {
         let point = patch.at(f64::from(i % 17) / 16.0, f64::from(i / 17) / 16.0).position;
         let clip = to_clip * point.extend(1.0);
@@ -408,7 +288,7 @@ fn patches_out_of_sight_are_culled_and_not_missed() {
         // this box.
         let ends = [patches.clone().next(), patches.clone().last()].map(Option::unwrap);
         let points = [&seen[..], &ends[..]].concat().concat();
-        let alone = scene_of(vec![Surface::new(Degree::Cubic, points).unwrap()]);
+        let alone = scene_of(vec![Surface::new(Degree::CUBIC, points).unwrap()]);
         let expected = stage.picture(&mut stage.prepared(&alone), &frame);
         assert_same("culled", &expected, &picture, &[], 0);
         let drawn = count_drawn(&picture);
@@ -433,9 +313,9 @@ fn closed_box(inside_out: bool) -> Surface {
             let point = dvec3(x, y, z) * (1.15 - 0.05 * (x * x + y * y + z * z));
             net.push((point + 0.05 * dvec3(z * y, x * z, x * y)).extend(1.0));
         }
-        points.extend(turned(Degree::Cubic, &net, if inside_out { 4 } else { 0 }));
+        points.extend(turned(Degree::CUBIC, &net, if inside_out { 4 } else { 0 }).1);
     }
-    Surface::new(Degree::Cubic, points).unwrap()
+    Surface::new(Degree::CUBIC, points).unwrap()
 }
 
 /// Pixels with a neighbour that shows nothing.
@@ -546,8 +426,8 @@ fn a_changed_control_point_draws_as_in_a_new_scene() {
 /// Moves a patch point by point, and fails if its picture then exceeds the tolerance.
 fn check_moved_by(distance: f64) {
     let mut stage = Stage::new(uvec2(480, 300));
-    let [_, rough] = pair(&mut Random(1), Degree::Cubic, false, 0);
-    let mut scene = scene_of(vec![Surface::new(Degree::Cubic, rough).unwrap()]);
+    let [_, (_, rough)] = pair(&mut Random(1), [Degree::CUBIC; 2], false, 0);
+    let mut scene = scene_of(vec![Surface::new(Degree::CUBIC, rough).unwrap()]);
     let mut prepared = stage.prepared(&scene);
     for i in 0..16 {
         let to = scene.surfaces[0].control_points()[i] + DVec3::splat(distance).extend(0.0);

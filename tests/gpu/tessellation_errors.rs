@@ -27,16 +27,17 @@ struct Truth<'a> {
 
 impl<'a> Truth<'a> {
     fn of(patch: Patch<'a>) -> Self {
-        let (n, points) = (patch.degree().side(), patch.points());
+        let (degree, points) = (patch.degree(), patch.points());
+        let (columns, rows) = (degree.columns(), degree.rows());
         let step = |a: usize, b: usize| (points[b] - points[a]).truncate().length();
-        let longest = (0..n * n)
+        let longest = (0..points.len())
             .flat_map(|i| {
-                let along_u = if i % n + 1 < n { step(i, i + 1) } else { 0.0 };
-                let along_v = if i / n + 1 < n { step(i, i + n) } else { 0.0 };
+                let along_u = if i % columns + 1 < columns { step(i, i + 1) } else { 0.0 };
+                let along_v = if i / columns + 1 < rows { step(i, i + columns) } else { 0.0 };
                 [along_u, along_v]
             })
             .fold(0.0, f64::max);
-        Self { patch, longest: longest * (n - 1) as f64 }
+        Self { patch, longest: longest * degree.u().max(degree.v()) as f64 }
     }
 
     fn all(scene: &'a Scene) -> Vec<Self> {
@@ -186,15 +187,17 @@ fn normals_where_both_tangents_are_zero() {
 }
 
 #[test]
-fn normals_of_quartic_and_rational_patches() {
+fn normals_of_patches_of_all_degrees() {
     let mut random = Random(2);
-    let surfaces = (0..4).map(|i| {
-        let degree = [Degree::Quartic, Degree::Cubic][i / 3];
-        let n = degree.side();
-        let points = (0..n * n).map(|at| {
-            let place = |cell: usize| cell as f64 / (n - 1) as f64;
-            let weight = if i < 1 { 1.0 } else { random.between(-1.5, 1.5).exp2() };
-            let (x, y) = (place(at % n) + 1.1 * i as f64, place(at / n));
+    let degrees =
+        [(4, 4), (4, 4), (4, 4), (3, 3), (1, 1), (2, 1), (1, 2), (5, 3), (15, 8), (15, 2)];
+    let surfaces = degrees.into_iter().enumerate().map(|(i, (u, v))| {
+        let degree = Degree::new(u, v).unwrap();
+        let columns = degree.columns();
+        let points = (0..degree.points()).map(|at| {
+            let weight = if i % 3 == 0 { 1.0 } else { random.between(-1.5, 1.5).exp2() };
+            let x = (at % columns) as f64 / u as f64 + 1.1 * (i % 4) as f64;
+            let y = (at / columns) as f64 / v as f64 + 1.1 * (i / 4) as f64;
             DVec4::new(x, y, random.between(-0.4, 0.4), weight)
         });
         Surface::new(degree, points.collect()).unwrap()
@@ -214,12 +217,12 @@ fn normals_just_short_of_where_they_vanish() {
     let net: Vec<DVec4> =
         (0..16).map(|i| DVec4::new((i % 4) as f64 / 3.0, heights[i / 4], 0.0, 1.0)).collect();
     for turn in 0..8 {
-        let net = turned(Degree::Cubic, &net, turn);
-        let surface = Surface::new(Degree::Cubic, net.clone()).unwrap();
+        let (_, net) = turned(Degree::CUBIC, &net, turn);
+        let surface = Surface::new(Degree::CUBIC, net.clone()).unwrap();
         let scene = Scene { settings: at_level(8), ..scene_of(vec![surface]) };
         let frame = stage.frame(&scene);
         let to_world = DMat3::from_mat4(frame.camera.view).transpose();
-        let patch = Patch::new(Degree::Cubic, &net);
+        let patch = Patch::new(Degree::CUBIC, &net);
         let mut short = 0;
         for vertex in stage.triangles(&mut stage.prepared(&scene), &frame) {
             let [u, v] = vertex.uv.map(f64::from);

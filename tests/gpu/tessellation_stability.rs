@@ -54,17 +54,28 @@ fn draw(scene: &Scene, method: Method) -> (Measurement, FrameStats) {
 }
 
 fn check(name: &str, thesis: &[Fault]) {
-    let scene = scene(name);
-    let (found, stats) = draw(&scene, Method::Exact);
+    check_exact(name);
+    let (found, _) = draw(&scene(name), Method::Thesis);
+    assert_eq!(faults(&found), thesis, "{name}: the thesis' method: {found:?}");
+}
+
+fn check_exact(name: &str) {
+    let (found, stats) = draw(&scene(name), Method::Exact);
     let numbers = (found.crack_pixels + found.hidden_pixels, found.bad_values, stats.unmet);
     assert_eq!(numbers, (0, 0, None), "{name}: {found:?} {stats:?}");
     assert!(found.max_error_px <= 0.5, "{name}: {found:?}");
     assert!(found.normal_error_deg <= 0.1, "{name}: {found:?}");
     // Everything that has a size on the screen is visible.
     assert_eq!(found.covered > 0, name != "far", "{name}: {found:?}");
+}
 
-    let (found, _) = draw(&scene, Method::Thesis);
-    assert_eq!(faults(&found), thesis, "{name}: the thesis' method: {found:?}");
+/// A scene with degrees that the thesis' method refuses.
+fn check_degrees(name: &str) {
+    check_exact(name);
+    let path = root().join("resources/scenes/stability").join(format!("tess-{name}.toml"));
+    let text = std::fs::read_to_string(&path).unwrap() + "\n[render]\nmethod = \"thesis\"\n";
+    let error = Scene::from_toml(&text, &path).unwrap_err().to_string();
+    assert!(error.contains("degree") && error.contains("(3, 3) or (4, 4)"), "{error}");
 }
 
 macro_rules! cases {
@@ -105,6 +116,36 @@ cases! {
     twist: "twist", [Normals];
     neighbours_of_two_levels: "two-levels", [Off(5.0), Normals];
     weights_from_1e_3_to_1e3: "weights", [Off(50.0), Normals, Hidden];
+}
+
+#[test]
+fn the_largest_degree() {
+    check_degrees("degree-15");
+}
+
+#[test]
+fn the_smallest_degree() {
+    check_degrees("bilinear-saddle");
+}
+
+#[test]
+fn whole_cylinder_and_cone() {
+    check_degrees("cylinder-and-cone");
+}
+
+#[test]
+fn rational_torus() {
+    check_degrees("torus");
+}
+
+#[test]
+fn neighbours_of_different_degrees() {
+    check_degrees("mixed-degrees");
+}
+
+#[test]
+fn weights_from_1e_3_to_1e3_along_an_edge() {
+    check_degrees("weights-along-an-edge");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, reason = "each crate of tests uses a part of it")]
 
 pub mod meshes;
+pub mod neighbours;
 pub mod oracle;
 pub mod patches;
 #[cfg(feature = "cli")]

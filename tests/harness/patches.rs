@@ -47,21 +47,23 @@ pub fn field(side: usize, height: impl Fn(usize, usize) -> f64) -> Vec<DVec4> {
     points
 }
 
-/// The net of a patch rotated by quarter turns, and mirrored from turn 4 on.
-pub fn turned(degree: Degree, points: &[DVec4], turn: usize) -> Vec<DVec4> {
-    let n = degree.side();
-    (0..n * n)
-        .map(|i| {
-            let (mut column, mut row) = (i % n, i / n);
-            for _ in 0..turn % 4 {
-                (column, row) = (n - 1 - row, column);
-            }
-            if turn >= 4 {
-                (column, row) = (row, column);
-            }
-            points[row * n + column]
-        })
-        .collect()
+/// A patch rotated by quarter turns, and mirrored from turn 4 on: its degree and its net.
+pub fn turned(degree: Degree, points: &[DVec4], turn: usize) -> (Degree, Vec<DVec4>) {
+    let is_swapped = (turn % 2 == 1) != (turn >= 4);
+    let result = if is_swapped { Degree::new(degree.v(), degree.u()).unwrap() } else { degree };
+    let net = (0..degree.points()).map(|i| {
+        let (mut columns, mut rows) = (result.columns(), result.rows());
+        let (mut column, mut row) = (i % columns, i / columns);
+        for _ in 0..turn % 4 {
+            (column, row) = (rows - 1 - row, column);
+            (columns, rows) = (rows, columns);
+        }
+        if turn >= 4 {
+            (column, row) = (row, column);
+        }
+        points[row * degree.columns() + column]
+    });
+    (result, net.collect())
 }
 
 /// Pixels of a picture that show something, if its background is transparent.

@@ -262,7 +262,7 @@ fn bezier_surfaces_are_patches() {
     let scene = folder.load("a.obj");
     assert_eq!((scene.surfaces.len(), scene.meshes.len()), (1, 0));
     let surface = &scene.surfaces[0];
-    assert_eq!((surface.degree(), surface.patches().len()), (Degree::Cubic, 2));
+    assert_eq!((surface.degree(), surface.patches().len()), (Degree::CUBIC, 2));
     for (number, patch) in surface.patches().enumerate() {
         // By de Casteljau along u, then along v.
         for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.3, 0.8)] {
@@ -293,7 +293,7 @@ fn weights_count_where_surfaces_are_rational() {
         let scene = folder.load("a.obj");
         assert_eq!((scene.surfaces.len(), scene.meshes.len()), (1, 1));
         let surface = &scene.surfaces[0];
-        assert_eq!(surface.degree(), Degree::Quartic);
+        assert_eq!(surface.degree(), Degree::QUARTIC);
         assert_eq!(surface.control_points()[2].w, weight);
         let patch: Patch<'_> = surface.patches().next().unwrap();
         let corner = surface.control_points()[4].truncate();

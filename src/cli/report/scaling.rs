@@ -93,7 +93,7 @@ fn of_patches(bench: &mut Bench, count: usize) -> Result<(Timing, Row)> {
         let (x, z) = ((patch % side) as f64, (patch / side) as f64);
         single.control_points().iter().map(move |p| *p + DVec4::new(x, 0.0, -z, 0.0))
     });
-    let mut surface = Surface::new(Degree::Cubic, points.collect())?;
+    let mut surface = Surface::new(Degree::CUBIC, points.collect())?;
     surface.paint = single.paint;
     scene.surfaces.push(surface);
     let timing = bench.time(std::slice::from_ref(&scene))?[0];

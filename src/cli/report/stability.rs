@@ -129,7 +129,10 @@ fn row_of(
 ) -> Result<()> {
     let method = name(scene.settings.method);
     let row = Row::new("stability", case, method);
-    let refused = scene.surfaces.iter().find_map(|surface| NewtonTrims::of(&surface.trims).err());
+    let refused = scene.surfaces.iter().find_map(|surface| {
+        let degree = surface.degree().check_for_thesis();
+        degree.and_then(|()| NewtonTrims::of(&surface.trims).map(drop)).err()
+    });
     if let (Method::Thesis, Some(error)) = (scene.settings.method, refused) {
         section.rows.push(Row { note: Some(format!("refused: {error}")), ..row });
         return Ok(());

@@ -3,21 +3,21 @@
 use glam::{DMat4, DVec2, DVec4, UVec2};
 
 use super::{Corner, TOLERANCE_PX};
-use crate::bezier::{Patch, homogeneous};
+use crate::bezier::{Degree, Patch, homogeneous};
 
 /// The maximum number of cells along a side of a sub-patch; a sub-patch that needs more is cut into four.
 const MAX_CELLS: usize = 16;
 /// The maximum number of times that a sub-patch is cut into four.
 const MAX_CUTS: u32 = 9;
 /// The maximum number of control points along a side of a patch.
-const MAX_SIDE: usize = 5;
+const MAX_SIDE: usize = Degree::MAX + 1;
 
 /// A square region of a patch, in clip space.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct SubPatch {
     /// Homogeneous control points, row by row.
-    points: [DVec4; MAX_SIDE * MAX_SIDE],
-    side: usize,
+    points: Vec<DVec4>,
+    degree: Degree,
     /// The minimum w of points in front of the near plane.
     near_w: f64,
     /// The corner with the minimum (u, v), and the length of the sides.
@@ -29,23 +29,16 @@ pub(super) struct SubPatch {
 impl SubPatch {
     /// `near_w` is the one for points whose weight is 1.
     pub(super) fn whole(patch: &Patch<'_>, to_clip: &DMat4, near_w: f64) -> Self {
-        let mut points = [DVec4::ZERO; MAX_SIDE * MAX_SIDE];
-        for (to, from) in points.iter_mut().zip(patch.points()) {
-            *to = *to_clip * homogeneous(*from);
-        }
+        let points = patch.points().iter().map(|point| *to_clip * homogeneous(*point)).collect();
         let min_weight = patch.points().iter().map(|point| point.w).fold(f64::INFINITY, f64::min);
         Self {
             points,
-            side: patch.degree().side(),
+            degree: patch.degree(),
             near_w: near_w * min_weight,
             corner: DVec2::ZERO,
             length: 1.0,
             cuts: 0,
         }
-    }
-
-    fn points(&self) -> &[DVec4] {
-        &self.points[..self.side * self.side]
     }
 
     /// Cuts it into sub-patches that need few enough cells in a picture of `size` pixels. Passes those that may
@@ -68,12 +61,9 @@ impl SubPatch {
     pub(super) fn corners(&self, cells: usize) -> impl Iterator<Item = Corner> {
         let at = move |i: usize| i as f64 / cells as f64;
         (0..=cells).flat_map(move |j| {
-            let mut row = [DVec4::ZERO; MAX_SIDE];
-            for (column, point) in row[..self.side].iter_mut().enumerate() {
-                *point = curve(&self.points[column..], self.side, self.side, at(j));
-            }
+            let row = self.row(at(j));
             (0..=cells).map(move |i| Corner {
-                clip: curve(&row, self.side, 1, at(i)),
+                clip: curve(&row, self.degree.columns(), 1, at(i)),
                 uv: self.corner + DVec2::new(at(i), at(j)) * self.length,
             })
         })
@@ -82,17 +72,23 @@ impl SubPatch {
     /// z / w of the point at a place of the patch.
     pub(super) fn depth(&self, uv: DVec2) -> f64 {
         let at = (uv - self.corner) / self.length;
-        let mut row = [DVec4::ZERO; MAX_SIDE];
-        for (column, point) in row[..self.side].iter_mut().enumerate() {
-            *point = curve(&self.points[column..], self.side, self.side, at.y);
-        }
-        let point = curve(&row, self.side, 1, at.x);
+        let point = curve(&self.row(at.y), self.degree.columns(), 1, at.x);
         point.z / point.w
+    }
+
+    /// The control points of the curve along u at a place along v, in the first `columns()` entries.
+    fn row(&self, v: f64) -> [DVec4; MAX_SIDE] {
+        let (columns, rows) = (self.degree.columns(), self.degree.rows());
+        let mut row = [DVec4::ZERO; MAX_SIDE];
+        for (column, point) in row[..columns].iter_mut().enumerate() {
+            *point = curve(&self.points[column..], rows, columns, v);
+        }
+        row
     }
 
     /// Whether all control points, and therefore the sub-patch, lie beyond one plane of the view frustum.
     fn is_out_of_sight(&self) -> bool {
-        let all = |beyond: fn(&DVec4) -> bool| self.points().iter().all(beyond);
+        let all = |beyond: fn(&DVec4) -> bool| self.points.iter().all(beyond);
         all(|p| p.x > p.w)
             || all(|p| p.x < -p.w)
             || all(|p| p.y > p.w)
@@ -108,7 +104,7 @@ impl SubPatch {
     /// screen is that of (e.xy − L.xy / L.w · e.w) / H.w, where L.xy / L.w lies in the picture. With n cells,
     /// |e| ≤ (|Huu| + 2|Huv| + |Hvv|) / 8n², and the control points bound the derivatives.
     fn cells(&self, size: UVec2) -> f64 {
-        let (side, points) = (self.side, self.points());
+        let (columns, rows, points) = (self.degree.columns(), self.degree.rows(), &self.points);
         let mut low = DVec2::INFINITY;
         let mut high = DVec2::NEG_INFINITY;
         let mut min_w = f64::INFINITY;
@@ -127,35 +123,40 @@ impl SubPatch {
             let xy = e.truncate().truncate();
             ((xy - low * e.w).abs().max((xy - high * e.w).abs()) * half_size).length_squared()
         };
-        let at = |column: usize, row: usize| points[row * side + column];
+        let at = |column: usize, row: usize| points[row * columns + column];
         let (mut uu, mut uv, mut vv) = (0_f64, 0_f64, 0_f64);
-        for i in 0..side {
-            for j in 2..side {
-                uu = uu.max(on_screen(at(j, i) - 2.0 * at(j - 1, i) + at(j - 2, i)));
-                vv = vv.max(on_screen(at(i, j) - 2.0 * at(i, j - 1) + at(i, j - 2)));
+        for row in 0..rows {
+            for i in 2..columns {
+                uu = uu.max(on_screen(at(i, row) - 2.0 * at(i - 1, row) + at(i - 2, row)));
             }
         }
-        for row in 1..side {
-            for column in 1..side {
+        for column in 0..columns {
+            for i in 2..rows {
+                vv = vv.max(on_screen(at(column, i) - 2.0 * at(column, i - 1) + at(column, i - 2)));
+            }
+        }
+        for row in 1..rows {
+            for column in 1..columns {
                 let twist = at(column, row) - at(column - 1, row) - at(column, row - 1)
                     + at(column - 1, row - 1);
                 uv = uv.max(on_screen(twist));
             }
         }
-        let degree = (side - 1) as f64;
-        let second = degree * ((degree - 1.0) * (uu.sqrt() + vv.sqrt()) + 2.0 * degree * uv.sqrt());
+        let (m, n) = (self.degree.u() as f64, self.degree.v() as f64);
+        let second =
+            m * (m - 1.0) * uu.sqrt() + 2.0 * m * n * uv.sqrt() + n * (n - 1.0) * vv.sqrt();
         (second / (8.0 * TOLERANCE_PX * min_w.max(self.near_w))).sqrt().ceil().max(1.0)
     }
 
     /// The lower (0) or upper (1) half in u and v, by de Casteljau's algorithm.
     fn quarter(&self, u: usize, v: usize) -> Self {
-        let mut quarter = *self;
-        let side = self.side;
-        for line in 0..side {
-            halve(&mut quarter.points[line * side..], side, 1, u);
+        let mut quarter = self.clone();
+        let (columns, rows) = (self.degree.columns(), self.degree.rows());
+        for row in 0..rows {
+            halve(&mut quarter.points[row * columns..], columns, 1, u);
         }
-        for line in 0..side {
-            halve(&mut quarter.points[line..], side, side, v);
+        for column in 0..columns {
+            halve(&mut quarter.points[column..], rows, columns, v);
         }
         quarter.length *= 0.5;
         quarter.corner += DVec2::new(u as f64, v as f64) * quarter.length;

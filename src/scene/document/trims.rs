@@ -6,7 +6,7 @@ use toml::Spanned;
 use super::{Builder, KeepName, line_of};
 use crate::error::{Error, Result};
 use crate::scene::tables::{CircleTable, EllipseTable, IntervalTable, TrimTable};
-use crate::scene::{svg, unreadable};
+use crate::scene::{Surface, svg, unreadable};
 use crate::thesis::newton::NewtonTrims;
 use crate::trim::{Circle, Ellipse, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
 
@@ -16,9 +16,10 @@ pub(super) struct PlacedTrims {
     pub(super) places: TrimPlaces,
 }
 
-/// The byte offset in the text of each loop and of each path.
+/// The byte offset in the text of the surface, of each loop and of each path.
 #[derive(Clone, Default)]
 pub(super) struct TrimPlaces {
+    surface: usize,
     loops: Vec<usize>,
     paths: Vec<usize>,
 }
@@ -28,13 +29,14 @@ impl Builder<'_> {
         &mut self,
         tables: Vec<Spanned<TrimTable>>,
         keep: KeepName,
+        start: usize,
     ) -> Result<PlacedTrims> {
         let keep = match keep {
             KeepName::Outside => Keep::Outside,
             KeepName::Inside => Keep::Inside,
         };
         let mut trims = Trims { keep, ..Trims::default() };
-        let mut places = TrimPlaces::default();
+        let mut places = TrimPlaces { surface: self.chunk + start, ..TrimPlaces::default() };
         for table in tables {
             let start = table.span().start;
             let place = self.chunk + start;
@@ -106,8 +108,10 @@ impl Builder<'_> {
         log::warn!("{}:{}: {words}", self.path.display(), line_of(self.text, place));
     }
 
-    /// Refuses trims that the thesis' method cannot cut.
-    pub(super) fn check_for_thesis(&self, trims: &Trims, places: &TrimPlaces) -> Result<()> {
+    /// Refuses degrees that the thesis' method cannot draw and trims that it cannot cut.
+    pub(super) fn check_for_thesis(&self, surface: &Surface, places: &TrimPlaces) -> Result<()> {
+        surface.degree().check_for_thesis().map_err(|error| self.at(places.surface, error))?;
+        let trims = &surface.trims;
         let Err(error) = NewtonTrims::of(trims) else { return Ok(()) };
         if let Some(place) = places.paths.first() {
             return Err(self.at(*place, error));

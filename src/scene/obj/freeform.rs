@@ -1,4 +1,4 @@
-//! Free-form surfaces of OBJ files: Bézier patches of 4×4 and 5×5 points.
+//! Free-form surfaces of OBJ files: Bézier surfaces of any degree.
 
 use std::collections::BTreeMap;
 
@@ -95,20 +95,16 @@ impl FreeForm {
     /// Cuts a surface into its patches.
     fn surface(&mut self, points: Vec<i64>, line: usize) -> Result<(), String> {
         let [u, v] = self.degrees;
-        let degree = match (self.kind.as_str(), u, v) {
-            ("bezier", 3, 3) => Degree::Cubic,
-            ("bezier", 4, 4) => Degree::Quartic,
-            ("bezier", ..) => {
-                self.leave_out(format!("Bézier surface of degrees {u} and {v}"));
-                return Ok(());
-            }
-            (kind, ..) => {
-                self.leave_out(format!("{kind} surface"));
-                return Ok(());
-            }
+        if self.kind != "bezier" {
+            self.leave_out(format!("{} surface", self.kind));
+            return Ok(());
+        }
+        let Ok(degree) = Degree::new(u, v) else {
+            self.leave_out(format!("Bézier surface of degrees {u} and {v}"));
+            return Ok(());
         };
         let patches = self.parameters.map(|count| count.saturating_sub(1).max(1));
-        let [columns, rows] = patches.map(|patches| patches * u + 1);
+        let [columns, rows] = [patches[0] * u + 1, patches[1] * v + 1];
         if points.len() != columns * rows {
             return Err(format!(
                 "the surface has {} control points; its degrees and parameters expect {columns}×{rows}",
@@ -117,12 +113,12 @@ impl FreeForm {
         }
         let points: Vec<u32> =
             points.into_iter().map(|point| u32::try_from(point).unwrap_or(u32::MAX)).collect();
-        let side = u + 1;
+        let side = degree.columns();
         for (row, column) in
             (0..patches[1]).flat_map(|row| (0..patches[0]).map(move |column| (row, column)))
         {
-            let at = |i: usize| points[(row * u + i / side) * columns + column * u + i % side];
-            let points = (0..side * side).map(at).collect();
+            let at = |i: usize| points[(row * v + i / side) * columns + column * u + i % side];
+            let points = (0..degree.points()).map(at).collect();
             self.patches.push(Patch { line, degree, rational: self.rational, points });
         }
         Ok(())
@@ -151,7 +147,7 @@ impl FreeForm {
         positions: &[DVec3],
         weights: &[f64],
     ) -> Result<Vec<Surface>, (usize, String)> {
-        let mut points: [Vec<DVec4>; 2] = Default::default();
+        let mut points: BTreeMap<Degree, Vec<DVec4>> = BTreeMap::new();
         for Patch { line, degree, rational, points: indices } in std::mem::take(&mut self.patches) {
             for index in indices {
                 let position = positions.get(index as usize).ok_or_else(|| {
@@ -170,18 +166,11 @@ impl FreeForm {
                         format!("the weight of position {number} is {weight}; expected above 0"),
                     ));
                 }
-                points[usize::from(degree == Degree::Quartic)].push(position.extend(weight));
+                points.entry(degree).or_default().push(position.extend(weight));
             }
         }
-        let [cubic, quartic] = points;
-        let mut surfaces = Vec::new();
-        for (degree, points) in [(Degree::Cubic, cubic), (Degree::Quartic, quartic)] {
-            if !points.is_empty() {
-                let surface =
-                    Surface::new(degree, points).map_err(|error| (1, error.to_string()))?;
-                surfaces.push(surface);
-            }
-        }
-        Ok(surfaces)
+        let surface =
+            |(degree, points)| Surface::new(degree, points).map_err(|error| (1, error.to_string()));
+        points.into_iter().map(surface).collect()
     }
 }

@@ -15,7 +15,7 @@ fn row(patches: usize) -> Surface {
             dvec3(x, v, bend).extend(1.0)
         })
     });
-    Surface::new(Degree::Cubic, points.collect()).expect("whole patches")
+    Surface::new(Degree::CUBIC, points.collect()).expect("whole patches")
 }
 
 #[test]
@@ -29,12 +29,13 @@ fn many_patches_need_what_each_needs_alone() {
         let surface = row(patches);
         let points = surface.control_points();
         let cones: Vec<NormalCone> =
-            points.chunks(16).map(|points| NormalCone::new(Degree::Cubic, points)).collect();
+            points.chunks(16).map(|points| NormalCone::new(Degree::CUBIC, points)).collect();
         let (mut seen, mut backs) = (0, 0);
         for back in [None, Some((Eye::Towards(DVec3::Z), 1.0))] {
             let surface = SurfacePatches {
-                degree: Degree::Cubic,
-                points,
+                degree: Degree::CUBIC,
+                net_side: 4,
+                nets: points,
                 to_clip: to_clip.into(),
                 rounding: Rounding::new(&to_clip, 1.0),
                 cones: &cones,

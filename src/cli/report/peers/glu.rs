@@ -105,10 +105,13 @@ impl Patches {
     /// # Errors
     /// Surfaces are rational or of several degrees; the simple calls made here do not support this.
     pub(super) fn of(scene: &Scene) -> Result<Self, String> {
-        let side = scene.surfaces.first().map_or(Degree::Cubic, Surface::degree).side();
+        let degree = scene.surfaces.first().map_or(Degree::CUBIC, Surface::degree);
+        if degree.u() != degree.v() {
+            return Err("two degrees in one surface".into());
+        }
         let mut points = Vec::new();
         for surface in &scene.surfaces {
-            if surface.degree().side() != side {
+            if surface.degree() != degree {
                 return Err("surfaces of two degrees".into());
             }
             for point in surface.control_points() {
@@ -119,7 +122,7 @@ impl Patches {
                 points.push(world.as_vec3().to_array());
             }
         }
-        Ok(Self { points, side })
+        Ok(Self { points, side: degree.columns() })
     }
 }
 
