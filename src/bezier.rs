@@ -13,13 +13,17 @@
 //! ```
 
 mod bounds;
+mod bspline;
 mod elevate;
+mod product;
 mod split;
 
 use glam::{DVec3, DVec4};
 
 pub(crate) use bounds::bounding_box;
+pub(crate) use bspline::{bezier_curves, check_knots};
 pub(crate) use elevate::elevate_to_square;
+pub(crate) use product::{composition, product, product_share};
 pub(crate) use split::{split, split_slice};
 
 use crate::error::{Error, Result};

@@ -24,7 +24,7 @@
 //! |---|---|
 //! | read a scene file | [`Scene::load`] (`.toml`, `.bpt`, `.obj`), [`Scene::from_toml`] |
 //! | make a scene in code | [`Surface::new`] or [`MeshModel::new`], put into a [`Scene`] |
-//! | cut holes | [`Surface::trims`]: [`Circle`], [`Rect`], [`Ellipse`], [`TrimLoop`], [`TrimPath`] (SVG) |
+//! | cut holes | [`Surface::trims`]: [`Circle`], [`Rect`], [`Ellipse`], [`TrimLoop`], [`TrimCurve`] (NURBS), [`TrimPath`] (SVG) |
 //! | draw in an OpenGL context of your own | [`Gl::new`], [`Renderer::new`], then [`PreparedScene::draw`] with a [`Frame`] |
 //! | draw one surface through the thesis' interface | [`FreeFormSurface::render`] |
 //! | change the viewpoint | [`Camera::projection`] or [`Camera::framing`], into [`Frame::new`] |
@@ -119,7 +119,9 @@ pub use scene::{
     default_control_points, load_texture,
 };
 pub use thesis::newton::Newton;
-pub use trim::{Circle, Ellipse, FillRule, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
+pub use trim::{
+    Circle, Ellipse, FillRule, Keep, Rect, Segment, TrimCurve, TrimLoop, TrimPath, Trims,
+};
 
 // Drawing, in any OpenGL context.
 pub use aov::{AovKind, Aovs};

@@ -3,6 +3,7 @@
 //! Each circle, rectangle and ellipse cuts its inside. Loops are combined by the even-odd rule: a loop inside a loop
 //! is an island that stays. Each path has its own fill rule.
 
+mod curve;
 mod exact;
 mod fill;
 mod grid;
@@ -16,6 +17,7 @@ mod uniform_grid;
 
 use glam::DVec2;
 
+pub use curve::TrimCurve;
 pub use exact::TrimGrid;
 pub use fill::{FillRule, TrimPath};
 pub use inside::{inside_loops, ray_crossings, winding_number};

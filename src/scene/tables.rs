@@ -1,6 +1,6 @@
 //! The tables of a `.toml` scene as they are in the text, before anything is checked.
 
-use glam::DVec4;
+use glam::{DVec3, DVec4};
 use serde::Deserialize;
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use toml::Spanned;
@@ -153,10 +153,37 @@ pub(super) struct TrimTable {
     pub(super) circle: Option<CircleTable>,
     pub(super) interval: Option<IntervalTable>,
     pub(super) ellipse: Option<EllipseTable>,
-    pub(super) r#loop: Option<Vec<Vec<[f64; 2]>>>,
+    pub(super) r#loop: Option<Vec<Vec<CurvePoint>>>,
+    pub(super) nurbs: Option<Vec<NurbsTable>>,
     pub(super) path: Option<String>,
     pub(super) svg: Option<String>,
     pub(super) fill_rule: Option<FillRuleName>,
+}
+
+/// A B-spline curve of a loop.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct NurbsTable {
+    pub(super) degree: usize,
+    pub(super) knots: Vec<f64>,
+    pub(super) points: Vec<CurvePoint>,
+}
+
+/// A point of a curve of a loop: [u, v] or [u, v, weight].
+#[derive(Deserialize, Clone, Copy)]
+#[serde(untagged, expecting = "expected a point [u, v] or [u, v, weight]")]
+pub(super) enum CurvePoint {
+    Plain([f64; 2]),
+    Weighted([f64; 3]),
+}
+
+impl From<CurvePoint> for DVec3 {
+    fn from(point: CurvePoint) -> Self {
+        match point {
+            CurvePoint::Plain([u, v]) => Self::new(u, v, 1.0),
+            CurvePoint::Weighted(point) => Self::from(point),
+        }
+    }
 }
 
 #[derive(Deserialize)]

@@ -8,7 +8,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use crate::bezier::{Degree, homogeneous, split_slice};
+use crate::bezier::{Degree, homogeneous, product_share, split_slice};
 
 /// The form of evaluation that a patch needs. Each kind has its own shader programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -216,18 +216,6 @@ fn quotient(slopes: &[DVec4], [columns, rows]: [usize; 2], net: &Net) -> Vec<DVe
         }
     }
     product
-}
-
-/// The factor of the product of two Bernstein polynomials: B_i of degree a times B_j of degree b is this factor times
-/// B_(i+j) of degree a + b. `counts` are a + 1 and b + 1, `indices` are i and j.
-fn product_share(counts: [usize; 2], indices: [usize; 2]) -> f64 {
-    let [a, b] = counts.map(|count| count - 1);
-    let [i, j] = indices;
-    binomial(a, i) * binomial(b, j) / binomial(a + b, i + j)
-}
-
-fn binomial(n: usize, k: usize) -> f64 {
-    (1..=k).map(|i| (n + 1 - i) as f64 / i as f64).product()
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@ mod surface;
 mod tessellation;
 mod tessellation_errors;
 mod tessellation_stability;
+mod trim_curves;
 mod trim_stability;
 #[cfg(feature = "svg")]
 mod trims;

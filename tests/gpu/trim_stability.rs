@@ -108,6 +108,9 @@ cases! {
     border_with_a_hole: "keep-inside", Refuses;
     paths_of_both_rules: "fill-rules", Refuses;
     circles_intervals_and_ellipses: "shapes", Wrong(0);
+    circles_as_rational_curves: "rational-circle", Refuses;
+    a_rational_curve_of_degree_11: "degree-11", Refuses;
+    b_spline_curves: "nurbs", Refuses;
     ten_thousand_segments: "10000-segments", Wrong(350);
     ten_thousand_segments_in_one_cell: "10000-in-one-cell", Refuses;
 }

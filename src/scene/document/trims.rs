@@ -1,14 +1,16 @@
 //! The trims of a `[[surface]]`.
 
-use glam::DVec2;
+use glam::DVec3;
 use toml::Spanned;
 
 use super::{Builder, KeepName, line_of};
 use crate::error::{Error, Result};
-use crate::scene::tables::{CircleTable, EllipseTable, IntervalTable, TrimTable};
+use crate::scene::tables::{
+    CircleTable, CurvePoint, EllipseTable, IntervalTable, NurbsTable, TrimTable,
+};
 use crate::scene::{Surface, svg, unreadable};
 use crate::thesis::newton::NewtonTrims;
-use crate::trim::{Circle, Ellipse, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
+use crate::trim::{Circle, Ellipse, Keep, Rect, TrimCurve, TrimLoop, TrimPath, Trims};
 
 /// The trims of one table, and where they are in the text.
 pub(super) struct PlacedTrims {
@@ -54,11 +56,18 @@ impl Builder<'_> {
     }
 
     fn add_trim(&mut self, table: TrimTable, trims: &mut Trims, place: usize) -> Result<()> {
-        let TrimTable { circle, interval, ellipse, r#loop, path, svg, fill_rule } = table;
+        let TrimTable { circle, interval, ellipse, r#loop, nurbs, path, svg, fill_rule } = table;
         if fill_rule.is_some() && path.is_none() {
             return Err(Error::invalid("fill_rule", "without a path", "a path beside it"));
         }
-        match (circle, interval, ellipse, r#loop, path, svg) {
+        let curves = match (r#loop, nurbs) {
+            (Some(_), Some(_)) => {
+                return Err(Error::invalid("trim", "a loop beside nurbs", "one of them"));
+            }
+            (Some(segments), None) => Some(Curves::Bezier(segments)),
+            (None, nurbs) => nurbs.map(Curves::Nurbs),
+        };
+        match (circle, interval, ellipse, curves, path, svg) {
             (Some(CircleTable { center, radius }), None, None, None, None, None) => {
                 trims.circles.push(Circle::new(center.into(), radius)?);
             }
@@ -68,8 +77,8 @@ impl Builder<'_> {
             (None, None, Some(EllipseTable { center, radii }), None, None, None) => {
                 trims.ellipses.push(Ellipse::new(center.into(), radii.into())?);
             }
-            (None, None, None, Some(segments), None, None) => {
-                let trim_loop = loop_of(&segments)
+            (None, None, None, Some(curves), None, None) => {
+                let trim_loop = loop_of(&curves)
                     .map_err(|error| error.within(format!("loop {}", trims.loops.len())))?;
                 trims.add_loop(trim_loop)?;
             }
@@ -84,7 +93,7 @@ impl Builder<'_> {
                 return Err(Error::invalid(
                     "trim",
                     "of no kind, or of several",
-                    "one of circle, interval, ellipse, loop, path, svg",
+                    "one of circle, interval, ellipse, loop, nurbs, path, svg",
                 ));
             }
         }
@@ -123,12 +132,29 @@ impl Builder<'_> {
     }
 }
 
-fn loop_of(segments: &[Vec<[f64; 2]>]) -> Result<TrimLoop> {
-    let segments = segments.iter().enumerate().map(|(number, points)| {
-        let points: Vec<DVec2> = points.iter().map(|point| DVec2::from(*point)).collect();
-        Segment::new(&points).map_err(|error| error.within(format!("segment {number}")))
-    });
-    segments.collect::<Result<_>>().and_then(TrimLoop::new)
+/// The curves of a loop.
+enum Curves {
+    Bezier(Vec<Vec<CurvePoint>>),
+    Nurbs(Vec<NurbsTable>),
+}
+
+fn loop_of(curves: &Curves) -> Result<TrimLoop> {
+    let points_of =
+        |points: &[CurvePoint]| points.iter().copied().map(DVec3::from).collect::<Vec<_>>();
+    let curves: Vec<Result<TrimCurve>> = match curves {
+        Curves::Bezier(segments) => {
+            segments.iter().map(|points| TrimCurve::bezier(&points_of(points))).collect()
+        }
+        Curves::Nurbs(tables) => tables
+            .iter()
+            .map(|table| TrimCurve::nurbs(table.degree, &table.knots, &points_of(&table.points)))
+            .collect(),
+    };
+    let curves = curves
+        .into_iter()
+        .enumerate()
+        .map(|(number, curve)| curve.map_err(|error| error.within(format!("segment {number}"))));
+    TrimLoop::from_curves(&curves.collect::<Result<Vec<_>>>()?)
 }
 
 /// Whether there are loops and all of them lie outside the domain.
