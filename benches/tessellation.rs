@@ -3,7 +3,7 @@
 //! measured in one run and alternately, because machines are noisy.
 //!
 //! `cargo bench --bench tessellation` prints medians, ratios and the limits under which they should stay; names
-//! after `--` select sections: static, teapot, normals, moving, sight, cut, memory.
+//! after `--` select sections: static, degrees, teapot, normals, moving, sight, cut, memory.
 
 mod static_mesh;
 mod turns;
@@ -86,8 +86,9 @@ fn main() {
     let gl = context.gl();
     println!("{}, {}\n", context.info().renderer, context.info().version);
     let asked: Vec<String> = std::env::args().skip(1).filter(|name| name != "--bench").collect();
-    let sections: [(&str, Section); 7] = [
+    let sections: [(&str, Section); 8] = [
         ("static", static_meshes),
+        ("degrees", degrees),
         ("teapot", teapot),
         ("normals", normals),
         ("moving", moving),
@@ -134,6 +135,38 @@ fn static_meshes(gl: &Gl) {
                 format!("{patches} patches at level {cells} ({:.2} ms) / static mesh", ms[0]);
             line(&what, ms[0] / ms[1], bar);
         }
+    }
+}
+
+/// Patches of several degrees with the same triangles, compared with 4×4 control points.
+fn degrees(gl: &Gl) {
+    println!();
+    let target = Framebuffer::new(gl, SIDE, SIDE).expect("a picture of the bench");
+    target.bind();
+    const PATCHES: usize = 32;
+    let field_of = |u: usize, v: usize| {
+        let degree = Degree::new(u, v).expect("a degree");
+        let points = (0..PATCHES * PATCHES).flat_map(|patch| {
+            (0..degree.points()).map(move |i| {
+                let x = (i % (u + 1)) as f64 / u as f64 + (patch % PATCHES) as f64;
+                let z = (i / (u + 1)) as f64 / v as f64 + (patch / PATCHES) as f64;
+                DVec4::new(x, 0.2 * (2.0 * x).sin() * (2.0 * z).cos(), -z, 1.0)
+            })
+        });
+        let mut scene = Scene::listing16();
+        scene.surfaces = vec![Surface::new(degree, points.collect()).expect("whole patches")];
+        scene.settings.tessellation = Tessellation::Level(TessLevel::new(16).expect("a level"));
+        scene.camera = Some(scene.framed(1.0));
+        Drawn::new(gl, &scene, (SIDE, SIDE))
+    };
+    let mut cubic = field_of(3, 3);
+    for (u, v, bar) in
+        [(1, 1, "≤ 1.0"), (2, 1, "≤ 1.0"), (2, 2, ""), (5, 5, ""), (8, 8, "≤ 2.5"), (15, 15, "")]
+    {
+        let mut other = field_of(u, v);
+        let ms = in_turns(&mut [&mut || other.draw(), &mut || cubic.draw()]);
+        let what = format!("1024 patches of degrees ({u}, {v}) ({:.2} ms) / (3, 3)", ms[0]);
+        line(&what, ms[0] / ms[1], bar);
     }
 }
 

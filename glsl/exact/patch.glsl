@@ -6,6 +6,9 @@
 
 const int LONGEST = max(COLUMNS, ROWS);
 
+// Drivers unroll the loops here if the number of rounds is a constant, also of loops within loops, and if the
+// condition compares the counter itself. Otherwise patches of low degree take up to three times as long.
+
 // The binomial coefficient "n over i + 1", from "n over i".
 int nextBinomial(int binomial, int n, int i)
 {
@@ -36,10 +39,10 @@ void bernsteinTimes(int factor, int n, float t, float s, out float b[LONGEST])
 {
     for (int i = 0, binomial = 1; i <= n; ++i) {
         float value = float(factor * binomial);
-        for (int j = i; j < n; ++j)
-            value *= s;
-        for (int j = 0; j < i; ++j)
-            value *= t;
+        for (int j = 0; j < LONGEST - 1; ++j)
+            value *= j < n - i ? s : 1.0;
+        for (int j = 0; j < LONGEST - 1; ++j)
+            value *= j < i ? t : 1.0;
         b[i] = value;
         binomial = nextBinomial(binomial, n, i);
     }
@@ -60,7 +63,7 @@ void bernsteinSlopes(int n, float t, float s, out float slope[LONGEST])
 POINT weightedSum(int n, POINT p[LONGEST], float b[LONGEST])
 {
     precise POINT sum = b[0] * p[0] + b[n] * p[n];
-    for (int i = 1; 2 * i < n; ++i)
+    for (int i = 1; i < (n + 1) / 2; ++i)
         sum += b[i] * p[i] + b[n - i] * p[n - i];
     if (n % 2 == 0)
         sum += b[n / 2] * p[n / 2];
@@ -71,7 +74,7 @@ POINT weightedSum(int n, POINT p[LONGEST], float b[LONGEST])
 float weightedSum(int n, float all, float b[LONGEST])
 {
     precise float sum = b[0] * all + b[n] * all;
-    for (int i = 1; 2 * i < n; ++i)
+    for (int i = 1; i < (n + 1) / 2; ++i)
         sum += b[i] * all + b[n - i] * all;
     if (n % 2 == 0)
         sum += b[n / 2] * all;
