@@ -389,3 +389,34 @@ fn sixty_four_patches(points: &[DVec4], method: Method) {
         2,
     );
 }
+
+#[test]
+fn a_surface_takes_any_grid_of_points() {
+    let mut above = FromAbove::new(backends()[0], Method::Exact);
+    let thesis = RenderSettings { method: Method::Thesis, ..above.frame.settings };
+    for (columns, rows) in [(2, 2), (3, 2), (2, 7), (16, 16)] {
+        let at = |i: usize, count: usize| i as f64 / (count - 1) as f64 - 0.5;
+        let points: Vec<DVec3> = (0..columns * rows)
+            .map(|i| dvec3(at(i % columns, columns), 0.0, -at(i / columns, rows)))
+            .collect();
+        let renderer = above.renderer();
+        let mut surface = FreeFormSurface::with_grid(renderer, columns, rows, &points).unwrap();
+        assert_eq!(surface.degree(), Degree::new(columns - 1, rows - 1).unwrap());
+        let error = FreeFormSurface::with_grid(renderer, columns, rows, &points[1..]).unwrap_err();
+        let expected = format!("{columns} along u times {rows} along v");
+        assert!(error.to_string().contains(&expected), "{error}");
+        let error = surface.prepare(renderer, &thesis).unwrap_err().to_string();
+        assert!(error.contains("(3, 3) or (4, 4)"), "{error}");
+
+        // The last control point is a corner of the patch.
+        let corner = dvec2(0.98, 0.98);
+        assert!(above.shows(&mut surface, corner) && above.shows(&mut surface, dvec2(0.5, 0.5)));
+        surface.set_specific_control_point(dvec3(0.2, 0.0, -0.2), columns * rows - 1).unwrap();
+        assert!(!above.shows(&mut surface, corner) && above.shows(&mut surface, dvec2(0.3, 0.3)));
+    }
+    let renderer = above.renderer();
+    for (columns, rows) in [(1, 4), (4, 17), (0, 0)] {
+        let error = FreeFormSurface::with_grid(renderer, columns, rows, &[]).unwrap_err();
+        assert!(error.to_string().contains("1 to 15"), "{error}");
+    }
+}
