@@ -10,8 +10,12 @@ use crate::error::{Error, Result};
 pub struct Aovs {
     /// Width and height in pixels.
     pub size: (u32, u32),
-    /// u, v and the number of the patch. Patches are numbered from 0 through all surfaces of the scene.
+    /// u and v in the domain of the surface, and the number of the patch. Patches are numbered from 0 through all
+    /// surfaces of the scene.
     pub uv: Vec<[f32; 4]>,
+    /// u and v from 0 to 1 along the patch. `f32` has more digits for them than for the parameters of a NURBS surface of
+    /// many patches.
+    pub patch_uv: Vec<[f32; 2]>,
     /// The position in world space.
     pub position: Vec<[f32; 4]>,
     /// The unit normal Su × Sv in world space.
@@ -28,6 +32,7 @@ impl Aovs {
         Self {
             size,
             uv: nothing.clone(),
+            patch_uv: vec![[0.0; 2]; nothing.len()],
             position: nothing.clone(),
             normal: nothing.clone(),
             depth: nothing,

@@ -15,6 +15,7 @@
 mod bounds;
 mod bspline;
 mod elevate;
+mod nurbs;
 mod product;
 mod split;
 
@@ -23,6 +24,8 @@ use glam::{DVec3, DVec4};
 pub(crate) use bounds::bounding_box;
 pub(crate) use bspline::{bezier_curves, check_knots};
 pub(crate) use elevate::elevate_to_square;
+pub use nurbs::NurbsSurface;
+pub(crate) use nurbs::PatchGrid;
 pub(crate) use product::{composition, product, product_share};
 pub(crate) use split::{split, split_slice};
 

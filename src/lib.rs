@@ -110,7 +110,7 @@ mod trim;
 pub use {glam, glow, image};
 
 // Scenes: the objects to draw, and how to draw them.
-pub use bezier::{Degree, Patch, SurfacePoint};
+pub use bezier::{Degree, NurbsSurface, Patch, SurfacePoint};
 pub use camera::{Camera, Lens, ViewProjection};
 pub use mesh::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 pub use scene::{
@@ -120,7 +120,8 @@ pub use scene::{
 };
 pub use thesis::newton::Newton;
 pub use trim::{
-    Circle, Ellipse, FillRule, Keep, Rect, Segment, TrimCurve, TrimLoop, TrimPath, Trims,
+    Circle, Ellipse, FillRule, Keep, ParameterSizes, Rect, Segment, TrimCurve, TrimLoop, TrimPath,
+    Trims,
 };
 
 // Drawing, in any OpenGL context.

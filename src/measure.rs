@@ -12,7 +12,6 @@ mod views;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use crate::aov::Aovs;
-use crate::bezier::Patch;
 use crate::camera::ViewProjection;
 use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::scene::{Scene, Surface, Tessellation};
@@ -155,7 +154,8 @@ fn measure_points(
     let (mut total_px, mut total_squares) = (0.0, 0.0);
     for (i, uv) in aovs.uv.iter().enumerate().filter(|(_, uv)| uv[3] != 0.0) {
         all.covered += 1;
-        let [u, v, number, _] = uv.map(f64::from);
+        let [.., number, _] = uv.map(f64::from);
+        let [u, v] = aovs.patch_uv[i].map(f64::from);
         let patch = (number >= 0.0).then(|| patches.get(number.round() as usize)).flatten();
         let (error_px, normal_error_deg) = if let Some(patch) = patch {
             let width = aovs.size.0 as usize;
@@ -203,7 +203,9 @@ fn count_bad(aovs: &Aovs) -> usize {
 
 /// A patch as seen in a picture.
 struct Seen<'a> {
-    patch: Patch<'a>,
+    surface: &'a Surface,
+    /// The number of the patch in the surface.
+    patch: usize,
     to_view: DMat4,
     to_clip: DMat4,
     /// Model space to world space, for tangents.
@@ -217,7 +219,7 @@ impl<'a> Seen<'a> {
         let to_view = projection.view * surface.transform;
         let to_clip = projection.projection * to_view;
         let to_world = DMat3::from_mat4(surface.transform);
-        surface.patches().map(move |patch| {
+        surface.patches().enumerate().map(move |(number, patch)| {
             let columns = patch.degree().columns();
             let steps = patch.degree().u().max(patch.degree().v());
             let points = patch.points();
@@ -231,13 +233,14 @@ impl<'a> Seen<'a> {
                     along_u.into_iter().chain(along_v)
                 })
                 .fold(0.0, f64::max);
-            Self { patch, to_view, to_clip, to_world, tangent: longest * steps as f64 }
+            let tangent = longest * steps as f64;
+            Self { surface, patch: number, to_view, to_clip, to_world, tangent }
         })
     }
 
     /// The distance of a point along the view axis.
     fn distance(&self, u: f64, v: f64) -> f64 {
-        -self.to_view.transform_point3(self.patch.at(u, v).position).z
+        -self.to_view.transform_point3(self.surface.at(self.patch, u, v).position).z
     }
 
     /// The distance of the point from a pixel's centre, in pixels, and the angle between its normal and
@@ -249,7 +252,7 @@ impl<'a> Seen<'a> {
         (center, size): (DVec2, DVec2),
         normal: DVec3,
     ) -> (f64, Option<f64>) {
-        let point = self.patch.at(u, v);
+        let point = self.surface.at(self.patch, u, v);
         let clip = self.to_clip * point.position.extend(1.0);
         let ndc = clip.truncate().truncate() / clip.w;
         let place = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
@@ -307,6 +310,7 @@ mod tests {
             let (u, v) = (place(i % SIDE), 1.0 - place(i / SIDE));
             if (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v) {
                 aovs.uv[i] = [u, v, 0.0, 1.0];
+                aovs.patch_uv[i] = [u, v];
                 aovs.position[i] = [u, v, 0.0, 1.0];
                 aovs.normal[i] = [0.0, 0.0, 1.0, 1.0];
                 aovs.depth[i] = [1.0; 4];

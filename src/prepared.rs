@@ -52,10 +52,13 @@ impl PreparedScene {
         if !scene.surfaces.is_empty() {
             let (table, centerings) = neighbours(scene);
             let points: Vec<_> =
-                scene.surfaces.iter().map(Surface::control_points).zip(centerings).collect();
+                scene.surfaces.iter().map(Surface::patch_points).zip(centerings).collect();
             let uploaded = ControlPoints::upload(gl, &points)?;
             for (surface, points) in scene.surfaces.iter().zip(uploaded) {
-                let texture = texture(&surface.paint, false)?;
+                let texture = match &surface.paint {
+                    Paint::Color(_) => None,
+                    picture @ Paint::Texture(_) => Some(texture(picture, false)?),
+                };
                 surfaces.push(PreparedSurface::with_points(surface.clone(), texture, points)?);
             }
             draw_list = DrawList::of_neighbours(table, &surfaces);
@@ -122,7 +125,7 @@ impl PreparedScene {
         renderer.clear(frame.settings.background);
         self.draw_together(renderer, frame, Output::Picture)?;
         if frame.settings.control_points {
-            for surface in &self.surfaces {
+            for surface in &mut self.surfaces {
                 renderer.draw_control_points(surface, frame)?;
             }
         }
@@ -142,7 +145,12 @@ fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
             let next = transforms.len() as u32;
             let bits = surface.transform.to_cols_array().map(f64::to_bits);
             let group = *transforms.entry(bits).or_insert(next);
-            EdgeSource { degree: surface.degree(), points: surface.control_points(), group }
+            EdgeSource {
+                degree: surface.degree(),
+                points: surface.patch_points(),
+                group,
+                grid: surface.patch_grid(),
+            }
         })
         .collect();
     let table = EdgeTable::new(&sources);
@@ -154,7 +162,7 @@ fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
     let centered: HashMap<usize, LocalFrame> = members
         .into_iter()
         .map(|(group, surfaces)| {
-            (group, LocalFrame::of(surfaces.into_iter().flat_map(Surface::control_points)))
+            (group, LocalFrame::of(surfaces.into_iter().flat_map(Surface::patch_points)))
         })
         .collect();
     let centerings = groups.iter().map(|group| centered[group]).collect();

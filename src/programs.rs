@@ -9,7 +9,6 @@ mod recipes;
 
 use std::borrow::Cow;
 use std::collections::HashMap;
-use std::num::NonZeroU32;
 
 use crate::bezier::Degree;
 use crate::error::Result;
@@ -107,6 +106,8 @@ pub const TRIM_WORDS_UNIT: u32 = 1;
 pub const CONTROL_POINTS_UNIT: u32 = 3;
 /// Texture unit of `surfaces`.
 pub const SURFACES_UNIT: u32 = 4;
+/// Texture unit of `domains`.
+pub const DOMAINS_UNIT: u32 = 7;
 /// Texture unit of `levels`. The buffer's second view, which no shader reads, takes the next unit.
 pub const LEVELS_UNIT: u32 = 5;
 
@@ -125,8 +126,8 @@ pub enum Pipeline {
         samples: u32,
         /// How the patches are evaluated.
         patches: PatchKind,
-        /// Whether one draw may contain patches of several surfaces, each with its own matrices.
-        shared: bool,
+        /// Where the colour before lighting comes from.
+        painting: Painting,
         /// Whether normals are evaluated per vertex or per pixel.
         normals: Normals,
     },
@@ -141,6 +142,17 @@ pub enum Pipeline {
     Static(Method),
     /// Control points, drawn as squares.
     Points,
+}
+
+/// Where the exact method's colour before lighting comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Painting {
+    /// Each surface has one colour, which is beside its matrices.
+    Color,
+    /// A picture over each patch.
+    Picture,
+    /// A picture over the domain of a NURBS surface.
+    PictureOverDomain,
 }
 
 impl Pipeline {
@@ -175,8 +187,8 @@ pub struct TrimFeatures {
     pub cubics: bool,
     /// Cubic loops with an island (`cubicBezierBool2`).
     pub nested_cubics: bool,
-    /// Loops: the number of columns and rows of their grid. `None` without loops.
-    pub loop_columns: Option<NonZeroU32>,
+    /// Loops, in a grid.
+    pub grid_loops: bool,
     /// Some cells of this grid are subdivided.
     pub finer_loops: bool,
     /// Some cells of this grid list more than 32 pieces.
@@ -198,7 +210,7 @@ impl TrimFeatures {
         nested_quadratics: false,
         cubics: false,
         nested_cubics: false,
-        loop_columns: None,
+        grid_loops: false,
         finer_loops: false,
         long_lists: false,
         fill_rules: false,
@@ -230,7 +242,7 @@ impl TrimFeatures {
             || self.intervals
             || self.ellipses
             || self.loops()
-            || self.loop_columns.is_some()
+            || self.grid_loops
             || self.shape_grid
     }
 
@@ -245,7 +257,7 @@ impl TrimFeatures {
             ("NESTED_QUADRATICS", self.nested_quadratics),
             ("CUBICS", self.cubics),
             ("NESTED_CUBICS", self.nested_cubics),
-            ("LOOPS", self.loop_columns.is_some()),
+            ("LOOPS", self.grid_loops),
             ("FINER_LOOPS", self.finer_loops),
             ("LONG_LISTS", self.long_lists),
             ("FILL_RULES", self.fill_rules),
@@ -381,7 +393,9 @@ impl Sources {
         if let Pipeline::Thesis(degree) = key.pipeline {
             defines.push(("SIDE", degree.columns() as u32));
         }
-        if let Pipeline::Exact { degree, patches, shared, normals, .. } = key.pipeline {
+        let mut painting = Painting::Picture;
+        if let Pipeline::Exact { degree, patches, painting: own, normals, .. } = key.pipeline {
+            painting = own;
             defines.extend([("COLUMNS", degree.columns() as u32), ("ROWS", degree.rows() as u32)]);
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
@@ -389,7 +403,6 @@ impl Sources {
                 ("HELD", degree.points() <= MAX_HELD),
                 ("RATIONAL", patches != PatchKind::Polynomial),
                 ("DEGENERATE", patches == PatchKind::Degenerate),
-                ("SHARED", shared),
                 ("PIXEL_NORMALS", facts.pixel_normals),
             ]);
         }
@@ -397,7 +410,10 @@ impl Sources {
             on.extend([("PHONG_TESSELLATION", phong), ("COLORED", colored)]);
         }
         on.extend([
+            ("TEXTURED", painting != Painting::Color),
+            ("OVER_DOMAIN", painting == Painting::PictureOverDomain),
             ("AOV", key.output != Output::Picture),
+            ("GEOMETRY", key.output == Output::Aovs),
             ("CUT_OUT", key.cut_out),
             ("FAR_DEPTH", key.far_depth),
             ("PHONG", key.shading == Shading::Phong),
@@ -405,7 +421,6 @@ impl Sources {
         ]);
         on.extend(key.trims.defines());
         defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));
-        defines.extend(key.trims.loop_columns.map(|columns| ("LOOP_COLUMNS", columns.get())));
 
         let (label, ingredients) = recipe(key.pipeline);
         let mut stages: Vec<Stage> = Vec::new();

@@ -18,10 +18,10 @@ use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, UVec2};
 use crate::bezier::{Patch, homogeneous};
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::scene::{CONTROL_POINT_PX, Image, Method, RenderSettings, Scene, Surface};
-use crate::tessellation::{FixedSplit, Split};
+use crate::scene::{CONTROL_POINT_PX, Image, Method, RenderSettings, Scene, Surface, TessLevel};
+use crate::tessellation::{Split, SurfaceTrims};
 use crate::thesis::newton::{Newton, NewtonTrims};
-use crate::trim::{TrimGrid, Trims};
+use crate::trim::Trims;
 use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
@@ -49,7 +49,7 @@ pub struct Fragment {
     pub surface: usize,
     /// Number of the patch in the surface.
     pub patch: usize,
-    /// Place in the domain.
+    /// Place in the domain of the surface.
     pub uv: DVec2,
     /// The change of (u, v) to the next pixel on the right and to the next pixel below.
     pub uv_per_px: [DVec2; 2],
@@ -87,21 +87,23 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
         for (patch_number, patch) in surface.patches().enumerate() {
             let level = settings.tessellation.level().get() as usize;
             let vertices = view.vertices(&patch, level);
-            for triangle in triangles(view.split) {
+            let Some(split) = view.split(patch_number) else { continue };
+            let [low, high] = surface.patch_domain(patch_number);
+            for triangle in triangles(split) {
                 let corners = triangle.map(|corner| vertices[corner]);
                 let mut shade = |sample: &Sample| {
                     let vertex = &sample.vertex;
                     let fragment = Fragment {
                         surface: number,
                         patch: patch_number,
-                        uv: vertex.uv(),
-                        uv_per_px: sample.uv_per_px,
+                        uv: low + vertex.uv() * (high - low),
+                        uv_per_px: sample.uv_per_px.map(|step| step * (high - low)),
                         position: vertex.position(),
                         depth: vertex.depth(),
                         edge_px: sample.edge_px,
                         front: sample.front,
                     };
-                    let (own, alpha) = view.color(sample);
+                    let (own, alpha) = view.color(sample, &fragment);
                     let color = if view.trims.cut(fragment.uv) || alpha < 0.5 {
                         None
                     } else if settings.wireframe && (report || settings.red_lines) {
@@ -196,8 +198,9 @@ struct SurfaceView<'a> {
     trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
     method: Method,
-    /// The sub-patches into which a patch is cut.
-    split: Split,
+    level: TessLevel,
+    /// The exact method's trims, for the sub-patches into which it cuts a patch.
+    sub_patches: Option<SurfaceTrims>,
 }
 
 impl<'a> SurfaceView<'a> {
@@ -207,14 +210,16 @@ impl<'a> SurfaceView<'a> {
         settings: &RenderSettings,
         method: Method,
     ) -> Result<Self> {
-        let split = match method {
+        let level = settings.tessellation.level();
+        let sub_patches = match method {
             Method::Thesis => {
-                surface.degree().check_for_thesis()?;
-                Split::of(settings.tessellation.level())
+                surface.check_for_thesis()?;
+                None
             }
             Method::Exact => {
-                let level = settings.tessellation.level();
-                FixedSplit::new(&TrimGrid::new(&surface.trims), level).split
+                let mut trims = SurfaceTrims::new(&surface.trims, surface.patch_grid());
+                trims.fix(level);
+                Some(trims)
             }
         };
         Ok(Self {
@@ -225,8 +230,17 @@ impl<'a> SurfaceView<'a> {
             trims: TrimDecision::new(&surface.trims, settings.newton, method)?,
             sampler: Sampler::new(&surface.paint),
             method,
-            split,
+            level,
+            sub_patches,
         })
+    }
+
+    /// The sub-patches into which a patch is cut; `None` if nothing of it is drawn.
+    fn split(&self, patch: usize) -> Option<Split> {
+        match &self.sub_patches {
+            None => Some(Split::of(self.level)),
+            Some(trims) => trims.fixed(patch).map(|fixed| fixed.split),
+        }
     }
 
     /// Whether the report's program draws the surface, as `programs::Pipeline::ported` decides.
@@ -258,9 +272,12 @@ impl<'a> SurfaceView<'a> {
     }
 
     /// The colour, and the alpha of the paint.
-    fn color(&self, sample: &Sample) -> (DVec3, f64) {
+    fn color(&self, sample: &Sample, fragment: &Fragment) -> (DVec3, f64) {
         let vertex = &sample.vertex;
-        let paint = self.sampler.sample(vertex.uv(), sample.uv_per_px);
+        let [low, high] = self.surface.domain();
+        let place = (fragment.uv - low) / (high - low);
+        let steps = fragment.uv_per_px.map(|step| step / (high - low));
+        let paint = self.sampler.sample(place, steps);
         let (position, normal) = (vertex.position(), vertex.normal());
         let (shading, lights) = (self.surface.shading, self.lights);
         (shading::color(shading, paint.truncate(), position, normal, lights), paint.w)

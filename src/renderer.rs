@@ -28,6 +28,7 @@ use meshes::{BareCorner, FlatCorner, SmoothCorner};
 pub(crate) use points::{ControlPoints, LocalFrame};
 pub use static_mesh::{StaticMesh, StaticStyle, StaticVertex};
 pub use surface::PreparedSurface;
+use surface::to_bytes;
 pub(crate) use uniforms::{set_aovs, set_depth, set_lights, set_matrices};
 
 use crate::error::Result;
@@ -45,7 +46,7 @@ use crate::tessellation::{DrawSize, SubPatch};
 ///
 /// Drawing sets the following state and leaves it set: depth test, depth function and depth mask; blending, culling,
 /// stencil test, rasterizer discard and program point size off; filled polygons; the viewport; the patch size; the
-/// textures of units 0 to 6 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and
+/// textures of units 0 to 7 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and
 /// no buffer texture bound. Uploading a texture resets the pixel transfer state to plain transfers. All other state
 /// belongs to the caller and affects drawing: framebuffer, scissor, colour mask and logic operation, depth range and
 /// clip control, polygon offset, sample masks, sRGB conversion, and line width.
@@ -58,8 +59,8 @@ pub struct Renderer {
     corners_array: VertexArray,
     flat_array: VertexArray,
     bare_array: VertexArray,
-    /// The paint of wireframe lines.
-    line_paint: Texture,
+    /// Textures of one texel for the ported methods, which have no other way to draw a colour.
+    colors: HashMap<[u8; 3], Rc<Texture>>,
     draw_size: DrawSize,
 }
 
@@ -94,24 +95,23 @@ impl Renderer {
             corners_array: VertexArray::of::<SmoothCorner>(gl, "corners of smooth triangles")?,
             flat_array: VertexArray::of::<FlatCorner>(gl, "corners of flat triangles")?,
             bare_array: VertexArray::of::<BareCorner>(gl, "bare corners of flat triangles")?,
-            line_paint: Paint::Color([1.0, 0.0, 0.0]).upload(gl)?,
+            colors: HashMap::new(),
             draw_size: draw_size(gl),
         })
     }
 
-    /// The shading and the texture for a surface: its own, or for wireframes the report's red.
-    pub(crate) fn style<'a>(
-        &'a self,
-        shading: Shading,
-        texture: &'a Texture,
-        settings: &RenderSettings,
-        output: Output,
-    ) -> (Shading, &'a Texture) {
-        if in_lines(settings, output) {
-            (Shading::Unlit, &self.line_paint)
-        } else {
-            (shading, texture)
+    /// A texture of one colour.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(crate) fn color_texture(&mut self, rgb: [f32; 3]) -> Result<Rc<Texture>> {
+        let bytes = to_bytes(rgb);
+        if let Some(texture) = self.colors.get(&bytes) {
+            return Ok(Rc::clone(texture));
         }
+        let texture = Rc::new(Paint::Color(rgb).upload(&self.gl)?);
+        self.colors.insert(bytes, Rc::clone(&texture));
+        Ok(texture)
     }
 
     /// The context's OpenGL functions.
@@ -177,9 +177,10 @@ impl Renderer {
     /// A shader that the driver rejects.
     pub(crate) fn draw_control_points(
         &mut self,
-        surface: &PreparedSurface,
+        surface: &mut PreparedSurface,
         frame: &Frame,
     ) -> Result<()> {
+        let texture = self.color_texture(RED)?;
         let program = self.program(ProgramKey {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
@@ -192,17 +193,17 @@ impl Renderer {
         set_matrices(&program, &surface.points_to_world(), &frame.camera);
         program.set_f32(location::POINT_SIZE, CONTROL_POINT_PX);
         program.set_i32(location::SHOW_CONTROL_POINTS, 1);
-        surface.texture().bind(0);
+        texture.bind(0);
         self.set_state(frame, surface.degree().points(), false);
-        let points = surface.uploaded_points();
-        self.bind_points(surface);
+        let count = surface.surface().control_points().len() as i32;
+        let (points, first) = surface.net(&self.gl)?;
+        self.points_array.bind(points);
         // SAFETY: the context is current (see the type); the buffer holds the points, whose number was checked to fit
         // an i32 when the buffer was made.
         unsafe {
             self.gl.disable(glow::DEPTH_TEST);
             self.gl.enable(glow::PROGRAM_POINT_SIZE);
-            let count = surface.surface().control_points().len() as i32;
-            self.gl.draw_arrays(glow::POINTS, points.first() as i32, count);
+            self.gl.draw_arrays(glow::POINTS, first as i32, count);
             self.gl.disable(glow::PROGRAM_POINT_SIZE);
         }
         self.release();
@@ -228,6 +229,9 @@ impl Renderer {
         }
     }
 }
+
+/// The colour of the report's wireframe lines.
+pub(crate) const RED: [f32; 3] = [1.0, 0.0, 0.0];
 
 /// Whether the frame is drawn as a red wireframe.
 pub(crate) fn in_lines(settings: &RenderSettings, output: Output) -> bool {

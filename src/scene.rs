@@ -154,11 +154,12 @@ impl Scene {
     /// Never: its contents are fixed.
     #[must_use]
     pub fn listing16() -> Self {
-        let mut surface = Surface::new(Degree::CUBIC, default_control_points())
-            .expect("the default control points make one patch");
+        let mut points = default_control_points();
         for index in [5, 6, 9, 10] {
-            surface.points_mut()[index].y = 0.5;
+            points[index].y = 0.5;
         }
+        let mut surface =
+            Surface::new(Degree::CUBIC, points).expect("the default control points make one patch");
         surface.transform = DMat4::from_translation(dvec3(0.0, 1.0, 0.0));
         surface.paint = Paint::Texture(Arc::new(texture::brick()));
         let hole = Circle::new(dvec2(0.5, 0.5), 0.2).expect("a fixed circle");

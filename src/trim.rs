@@ -3,6 +3,7 @@
 //! Each circle, rectangle and ellipse cuts its inside. Loops are combined by the even-odd rule: a loop inside a loop
 //! is an island that stays. Each path has its own fill rule.
 
+mod by_patch;
 mod curve;
 mod exact;
 mod fill;
@@ -17,6 +18,7 @@ mod uniform_grid;
 
 use glam::DVec2;
 
+pub(crate) use by_patch::{PatchTrims, trims_by_patch};
 pub use curve::TrimCurve;
 pub use exact::TrimGrid;
 pub use fill::{FillRule, TrimPath};
@@ -27,8 +29,31 @@ pub(crate) use svg::read as read_svg;
 use crate::bezier::{MAX_COORDINATE, bounding_box, check_coordinates};
 use crate::error::{Error, Result};
 
-/// Ends of neighbouring curves that are closer than this (in the domain's unit) are merged into one point.
+/// Ends of neighbouring curves that are closer than this, as a share of the domain, are merged into one point.
 const SNAP: f64 = 1e-6;
+
+/// Sizes along u and v of the parameters of a surface, to which tolerances of its trims are relative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParameterSizes {
+    /// Of the domain.
+    pub domain: DVec2,
+    /// Of the smallest patch.
+    pub patch: DVec2,
+}
+
+impl Default for ParameterSizes {
+    /// Those of Bézier patches, whose domains are [0, 1]².
+    fn default() -> Self {
+        Self { domain: DVec2::ONE, patch: DVec2::ONE }
+    }
+}
+
+impl ParameterSizes {
+    /// The largest powers of two that are not above the sizes of a patch. Scaling by them does not round.
+    fn unit(&self) -> DVec2 {
+        self.patch.to_array().map(|size| size.log2().floor().exp2()).into()
+    }
+}
 
 /// The maximum number of segments in all loops of one surface.
 const MAX_SEGMENTS: usize = 1_000_000;
@@ -204,6 +229,14 @@ impl Segment {
         }
     }
 
+    fn map(&self, to: impl Fn(DVec2) -> DVec2) -> Self {
+        match self {
+            Self::Line(points) => Self::Line(points.map(to)),
+            Self::Quadratic(points) => Self::Quadratic(points.map(to)),
+            Self::Cubic(points) => Self::Cubic(points.map(to)),
+        }
+    }
+
     /// The point at the parameter `t`, which is 0 at the start and 1 at the end.
     #[must_use]
     pub fn point(&self, t: f64) -> DVec2 {
@@ -238,12 +271,17 @@ pub struct TrimLoop {
 }
 
 impl TrimLoop {
-    /// Closes the chain: gaps below 1e-6 are snapped shut.
+    /// Closes the chain in the domain [0, 1]²: gaps below 1e-6 are snapped shut.
     ///
     /// # Errors
     /// No segment or more than 1,000,000, a point that is not finite or has coordinates above 1e15, a gap of 1e-6 or
     /// more. Segments are numbered from 0.
-    pub fn new(mut segments: Vec<Segment>) -> Result<Self> {
+    pub fn new(segments: Vec<Segment>) -> Result<Self> {
+        Self::closed(segments, DVec2::ONE)
+    }
+
+    /// The same in a domain of the given size. Gaps are relative to it.
+    fn closed(mut segments: Vec<Segment>, domain: DVec2) -> Result<Self> {
         if segments.is_empty() {
             return Err(Error::invalid("loop", "empty", "at least one segment"));
         }
@@ -261,11 +299,12 @@ impl TrimLoop {
         for i in 0..count {
             let next = (i + 1) % count;
             let (end, start) = (segments[i].end(), segments[next].start());
-            if end.distance(start) >= SNAP {
+            if ((end - start) / domain).length() >= SNAP {
+                let most = if domain == DVec2::ONE { "" } else { " of the domain" };
                 return Err(Error::invalid(
                     format!("gap between the end of segment {i} and the start of segment {next}"),
                     end.distance(start),
-                    "less than 0.000001: a closed loop",
+                    format!("less than 0.000001{most}: a closed loop"),
                 ));
             }
             segments[next].points_mut()[0] = end;
@@ -277,6 +316,11 @@ impl TrimLoop {
     #[must_use]
     pub fn segments(&self) -> &[Segment] {
         &self.segments
+    }
+
+    /// The loop with every control point replaced.
+    pub(crate) fn map(&self, to: impl Fn(DVec2) -> DVec2) -> Self {
+        Self { segments: self.segments.iter().map(|segment| segment.map(&to)).collect() }
     }
 
     /// Bounding box of the control points: minimum and maximum (u, v). The loop lies inside.

@@ -23,6 +23,11 @@ layout(location = 14) flat out vec2 passLongest;
 #endif
 #endif
 
+#if defined(LOOPS) || defined(SHAPES)
+layout(location = 7) flat in uint trimsOfVertex[];
+layout(location = 15) flat out uint passTrims;
+#endif
+
 void main()
 {
     for (int vertex = 0; vertex < 3; ++vertex) {
@@ -38,6 +43,9 @@ void main()
 #ifdef DEGENERATE
         passLongest = longestOfVertex[0];
 #endif
+#endif
+#if defined(LOOPS) || defined(SHAPES)
+        passTrims = trimsOfVertex[0];
 #endif
         gl_Position = gl_in[vertex].gl_Position;
         EmitVertex();

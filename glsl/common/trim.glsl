@@ -2,15 +2,23 @@
 // src/trim/{exact,grid,uniform_grid,pieces,shapes}.rs, which make the same decisions bit for bit;
 // grid.rs and shapes.rs describe the words of the buffer.
 //
-// Only what a surface has is compiled in: LOOPS, with LOOP_COLUMNS columns and as many rows of
-// cells; FINER_LOOPS, some cells are subdivided; LONG_LISTS, some cells list more than 32 pieces;
-// FILL_RULES, paths have their own fill rules; SHAPES, circles, rectangles and ellipses.
+// Only what a surface has is compiled in: LOOPS; FINER_LOOPS, some cells are subdivided; LONG_LISTS,
+// some cells list more than 32 pieces; FILL_RULES, paths have their own fill rules; SHAPES, circles,
+// rectangles and ellipses.
 
-// Two views of one buffer: words, and texels of four floats. (With Mesa's software driver, a fetch
-// from a buffer texture takes a tenth of the time of one from a storage buffer, and less than a
-// uniform.)
+// The grids of all surfaces. Two views of one buffer: words, and texels of four floats. (With Mesa's
+// software driver, a fetch from a buffer texture takes a tenth of the time of one from a storage
+// buffer, and less than a uniform.)
 layout(binding = 1) uniform usamplerBuffer trimWords;
 layout(binding = 2) uniform samplerBuffer trimPoints;
+
+// Which of the grids decides: from bit 0, the index of its first word divided by 8; from bit 24, the
+// number of columns of the loops' cells as a power of two. They have as many rows.
+#ifdef GEOMETRY
+layout(location = 15) flat in uint passTrims;
+#else
+layout(location = 7) flat in uint passTrims;
+#endif
 
 const uint HEADER_WORDS = 4u;
 const uint LIST = 2u;
@@ -21,9 +29,15 @@ const uint FALLS = 16u;
 const uint EVEN_ODD = 1u;
 const uint LAST_HEAD = 2u;
 
+// The indices of words and texels count from the beginning of the grid.
 uint trimWord(uint at)
 {
-    return texelFetch(trimWords, int(at)).x;
+    return texelFetch(trimWords, int((passTrims & 0xffffffu) * 8u + at)).x;
+}
+
+vec4 trimPoint(int at)
+{
+    return texelFetch(trimPoints, int(passTrims & 0xffffffu) * 2 + at);
 }
 
 // The index of the cell that contains a point. The unit of the point's coordinates is a cell.
@@ -66,7 +80,7 @@ int crossings(inout uint at, vec2 uv)
         uint first = at, near = 0u, mark = 1u;
         do {
             uint reference = trimWord(at);
-            vec4 ends = texelFetch(trimPoints, int(reference >> 5) * 2);
+            vec4 ends = trimPoint(int(reference >> 5) * 2);
             // The half-open row test and the box test decide the topology from stored bits alone.
             bool lowReached = ends.y <= uv.y, highReached = ends.w <= uv.y;
             bool inRow = lowReached != highReached;
@@ -99,7 +113,7 @@ int crossings(inout uint at, vec2 uv)
                 left = (reference & LEFT) != 0u;
                 turn = turnOf(reference);
                 int piece = int(reference >> 5) * 2;
-                vec4 ends = texelFetch(trimPoints, piece), legs = texelFetch(trimPoints, piece + 1);
+                vec4 ends = trimPoint(piece), legs = trimPoint(piece + 1);
                 precise vec2 chord = ends.zw - ends.xy, inner = chord - legs.zw;
                 point = uv - ends.xy;
                 a = vec2(0.0);
@@ -134,7 +148,8 @@ int crossings(inout uint at, vec2 uv)
 
 bool cutByLoops(vec2 uv)
 {
-    uint cell = trimWord(HEADER_WORDS + cellAt(uv * float(LOOP_COLUMNS), LOOP_COLUMNS));
+    uint columns = 1u << (passTrims >> 24);
+    uint cell = trimWord(HEADER_WORDS + cellAt(uv * float(columns), columns));
 #ifdef FINER_LOOPS
     if ((cell & 7u) == FINER) {
         uint at = cell >> 3;
@@ -167,7 +182,7 @@ bool cutByLoops(vec2 uv)
 bool cutByShape(uint reference, vec2 uv)
 {
     int at = int(reference >> 3);
-    vec4 first = texelFetch(trimPoints, at), second = texelFetch(trimPoints, at + 1);
+    vec4 first = trimPoint(at), second = trimPoint(at + 1);
     if ((reference & 3u) == 1u)
         return uv.x >= first.x && uv.x <= first.y && uv.y >= first.z && uv.y <= first.w;
     precise vec2 off = uv - first.xy;

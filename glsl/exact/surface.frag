@@ -8,7 +8,15 @@ layout(location = 2) in vec4 position;
 layout(location = 6) in vec3 passColor; // interpolated from the vertices of a mesh
 #endif
 
+#if defined(OVER_DOMAIN)
+layout(location = 8) in vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
+#elif !defined(TEXTURED)
+layout(location = 8) flat in vec3 passPaint; // the surface's colour
+#endif
+
+#ifdef TEXTURED
 layout(binding = 0) uniform sampler2D colortexture;
+#endif
 
 out vec4 fragmentColor;
 
@@ -20,10 +28,19 @@ layout(location = 32) uniform float depthScale;
 
 void main()
 {
+#ifdef TEXTURED
+#ifdef OVER_DOMAIN
+    vec2 place = passPictureCoord;
+#else
+    vec2 place = passTessCoord;
+#endif
     // Sampled before any fragment is discarded: the mipmap level is computed from neighbouring
     // pixels.
-    vec4 texel = texture(colortexture, passTessCoord);
+    vec4 texel = texture(colortexture, place);
     vec3 diffuseColor = texel.rgb;
+#else
+    vec3 diffuseColor = passPaint;
+#endif
 #ifdef CUT_OUT
     if (texel.a < 0.5)
         discard;

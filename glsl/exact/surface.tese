@@ -8,12 +8,9 @@
 
 layout(quads, equal_spacing, ccw) in;
 
-#ifdef SHARED
-layout(binding = 4) uniform samplerBuffer surfaces; // 12 matrix columns for each
-#else
-layout(location = 27) uniform mat4 toClip;
-layout(location = 28) uniform mat4 toView;
-layout(location = 29) uniform mat4 normalToView;
+layout(binding = 4) uniform samplerBuffer surfaces; // for each, 11 matrix columns and its colour
+#ifdef OVER_DOMAIN
+layout(binding = 7) uniform samplerBuffer domains; // for each patch: first u and v, length along u and v
 #endif
 
 patch in uvec4 placeOfPatch;
@@ -27,7 +24,7 @@ patch in vec2 longest;
 
 invariant gl_Position;  // different programs draw neighbouring sub-patches, which must meet
 layout(location = 0) out vec3 passNormal;    // view space, unit length
-layout(location = 1) out vec2 passTessCoord; // (u, v), for the trims and the texture
+layout(location = 1) out vec2 passTessCoord; // (u, v) in the patch, for the trims and the texture
 layout(location = 2) out vec4 position;      // view space
 #ifdef AOV
 layout(location = 3) flat out uint passPatch;
@@ -37,6 +34,14 @@ layout(location = 4) flat out uvec4 passPlace;
 #ifdef DEGENERATE
 layout(location = 5) flat out vec2 passLongest;
 #endif
+#endif
+#ifdef TRIMMED
+layout(location = 7) flat out uint passTrims;
+#endif
+#if defined(OVER_DOMAIN)
+layout(location = 8) out vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
+#elif !defined(TEXTURED)
+layout(location = 8) flat out vec3 passPaint; // the surface's colour
 #endif
 
 // The parameters t and 1 - t of a vertex along one direction. `across` is its coordinate in the
@@ -50,21 +55,22 @@ vec2 placeAlong(float tessCoord, float across, float cells, float low, float hig
     return along(tessCoord, end ? 1.0 : cells, end ? 1.0 : levels, subPatch, subPatches);
 }
 
-#ifdef SHARED
+// A value of the patch's surface.
+vec4 ofSurface(int column)
+{
+    return texelFetch(surfaces, int(placeOfPatch.z) * 12 + column);
+}
+
 // The matrix of the patch's surface that begins at this column.
 mat4 matrix(int column)
 {
-    int first = int(placeOfPatch.z) * 12 + column;
-    return mat4(texelFetch(surfaces, first), texelFetch(surfaces, first + 1),
-        texelFetch(surfaces, first + 2), texelFetch(surfaces, first + 3));
+    return mat4(ofSurface(column), ofSurface(column + 1), ofSurface(column + 2), ofSurface(column + 3));
 }
-#endif
 
 void main()
 {
-#ifdef SHARED
-    mat4 toClip = matrix(0), toView = matrix(4), normalToView = matrix(8);
-#endif
+    mat4 toClip = matrix(0), toView = matrix(4);
+    mat3 normalToView = mat3(ofSurface(8).xyz, ofSurface(9).xyz, ofSurface(10).xyz);
     vec4 edges = vec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
     vec2 cells = vec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
     vec2 subPatches = vec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
@@ -82,10 +88,10 @@ void main()
     POINT du, dv;
     evaluate(pointsOfPatch, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = mat3(normalToView) * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
+    vec3 normal = normalToView * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
 #else
     // Sv × Su, as in the thesis.
-    vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));
+    vec3 normal = normalToView * cross(tangent(point, dv), tangent(point, du));
 #endif
     float size = dot(normal, normal);
     passNormal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
@@ -102,5 +108,14 @@ void main()
 #ifdef DEGENERATE
     passLongest = longest;
 #endif
+#endif
+#ifdef TRIMMED
+    passTrims = cutOfPatch.w;
+#endif
+#if defined(OVER_DOMAIN)
+    vec4 domain = texelFetch(domains, int(placeOfPatch.y));
+    passPictureCoord = domain.xy + t * domain.zw;
+#elif !defined(TEXTURED)
+    passPaint = ofSurface(11).rgb;
 #endif
 }

@@ -36,36 +36,96 @@ pub(crate) fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result
     Ok(())
 }
 
-/// The Bézier curves of a B-spline curve, one for each span of its domain that is not empty: where the span begins and
-/// ends, and its control points. The knots may have any multiplicity; the curve need not begin and end in control
-/// points. `between` blends two points at a parameter.
+/// A span of a B-spline curve that is not empty, as a Bézier curve.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Span {
+    /// The parameters where it begins and ends.
+    pub(crate) ends: [f64; 2],
+    /// The index of the first of the degree + 1 control points that it depends on.
+    pub(crate) first: usize,
+    /// The factors of these control points, for each point of the Bézier curve.
+    factors: Vec<f64>,
+    /// Whether the curve goes on continuously into the next span.
+    pub(crate) continues: bool,
+}
+
+impl Span {
+    /// The control points of the Bézier curve; `points` are those of the B-spline curve. Control points that a blend
+    /// does not depend on do not change its bits.
+    pub(crate) fn bezier<T: Blend>(&self, points: &[T]) -> impl Iterator<Item = T> {
+        let count = self.factors.len().isqrt();
+        let points = &points[self.first..][..count];
+        self.factors.chunks_exact(count).map(move |factors| {
+            let used = factors.iter().zip(points).filter(|(factor, _)| **factor != 0.0);
+            let terms = used.map(|(factor, point)| *point * *factor);
+            terms.reduce(|sum, term| sum + term).expect("the factors have the sum 1")
+        })
+    }
+}
+
+/// Points that can be blended.
+pub(crate) trait Blend: Copy + std::ops::Mul<f64, Output = Self> + std::ops::Add<Output = Self> {}
+
+impl<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>> Blend for T {}
+
+/// The spans of a domain that are not empty, for knots that [`check_knots`] has accepted. Knots may have any
+/// multiplicity, and the curve need not begin and end in control points. Spans that are too short for `f64` are left
+/// out.
 ///
 /// A control point of a Bézier curve is the blossom of the polynomial at the ends of the span, and de Boor's algorithm
 /// with several parameters evaluates the blossom (Ramshaw 1989).
-pub(crate) fn bezier_curves<T: Copy>(
-    degree: usize,
-    knots: &[f64],
-    points: &[T],
-    between: impl Fn(T, T, f64) -> T,
-) -> Vec<([f64; 2], Vec<T>)> {
-    let spans = (degree..points.len()).filter(|span| knots[*span] < knots[span + 1]);
-    let curve = |span: usize| {
+pub(crate) fn spans(degree: usize, knots: &[f64]) -> Vec<Span> {
+    /// Relative to the domain and to the knots. The ends of a shorter span are one parameter, written with rounding.
+    const SHORTEST: [f64; 2] = [1e-12, 4.0 * f64::EPSILON];
+    let last = knots.len() - degree - 1;
+    let [low, high] = [knots[degree], knots[last]];
+    let shortest = SHORTEST[0] * (high - low) + SHORTEST[1] * low.abs().max(high.abs());
+    let length = |span: usize| knots[span + 1] - knots[span];
+    let longest = (degree..last).map(length).fold(0.0, f64::max);
+    let is_long = |span: &usize| length(*span) > shortest.min(0.5 * longest);
+    let mut spans: Vec<Span> = Vec::new();
+    for span in (degree..last).filter(is_long) {
         let ends = [knots[span], knots[span + 1]];
-        let control_point = |i: usize| {
-            let mut blended = points[span - degree..=span].to_vec();
-            for round in 1..=degree {
-                let parameter = ends[usize::from(round > degree - i)];
-                for j in (round..=degree).rev() {
-                    let [low, high] = [knots[j + span - degree], knots[j + 1 + span - round]];
-                    let share = (parameter - low) / (high - low);
-                    blended[j] = between(blended[j - 1], blended[j], share);
-                }
+        if let Some(before) = spans.last_mut() {
+            // The span before depends on the control points from `first` to `first + degree`.
+            before.continues = before.first + degree >= span - degree;
+        }
+        let factors = (0..=degree).flat_map(|i| factors(degree, knots, span, i)).collect();
+        spans.push(Span { ends, first: span - degree, factors, continues: false });
+    }
+    spans
+}
+
+/// The factors of the control points of a span in point `i` of its Bézier curve.
+fn factors(degree: usize, knots: &[f64], span: usize, i: usize) -> Vec<f64> {
+    let ends = [knots[span], knots[span + 1]];
+    let one = |point: usize| {
+        let mut blended = vec![0.0; degree + 1];
+        blended[point] = 1.0;
+        for round in 1..=degree {
+            let parameter = ends[usize::from(round > degree - i)];
+            for j in (round..=degree).rev() {
+                let [low, high] = [knots[j + span - degree], knots[j + 1 + span - round]];
+                let share = (parameter - low) / (high - low);
+                blended[j] = blended[j - 1] * (1.0 - share) + blended[j] * share;
             }
-            blended[degree]
-        };
-        (ends, (0..=degree).map(control_point).collect())
+        }
+        blended[degree]
     };
-    spans.map(curve).collect()
+    (0..=degree).map(one).collect()
+}
+
+/// The Bézier curves of a B-spline curve, one for each span. Neighbours share their common end bit for bit where the
+/// curve is continuous.
+pub(crate) fn bezier_curves<T: Blend>(degree: usize, knots: &[f64], points: &[T]) -> Vec<Vec<T>> {
+    let spans = spans(degree, knots);
+    let mut curves: Vec<Vec<T>> = spans.iter().map(|span| span.bezier(points).collect()).collect();
+    for i in 1..curves.len() {
+        if spans[i - 1].continues {
+            curves[i - 1][degree] = curves[i][0];
+        }
+    }
+    curves
 }
 
 #[cfg(test)]
@@ -99,10 +159,11 @@ mod tests {
             let count = knots.len() - degree - 1;
             let points: Vec<f64> = (0..count).map(|i| (1.7 * i as f64).sin()).collect();
             check_knots(degree, knots, count).unwrap();
-            let curves = bezier_curves(degree, knots, &points, |a, b, t| a * (1.0 - t) + b * t);
-            assert_eq!(curves[0].0[0], knots[degree]);
-            assert_eq!(curves.last().unwrap().0[1], knots[count]);
-            for ([start, end], curve) in curves {
+            let spans = spans(degree, knots);
+            assert_eq!(spans[0].ends[0], knots[degree]);
+            assert_eq!(spans.last().unwrap().ends[1], knots[count]);
+            for (span, curve) in spans.iter().zip(bezier_curves(degree, knots, &points)) {
+                let [start, end] = span.ends;
                 for step in 0..10 {
                     let local = f64::from(step) / 10.0;
                     let t = start + (end - start) * local;

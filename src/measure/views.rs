@@ -84,10 +84,11 @@ impl Random {
             let mut patches = scene
                 .surfaces
                 .iter()
-                .flat_map(|surface| surface.patches().map(move |patch| (surface, patch)));
+                .flat_map(|surface| (0..surface.patches().len()).map(move |patch| (surface, patch)));
             let (surface, patch) = patches.nth(number).expect("one of all patches");
-            if left == 0 || !surface.trims.cut(uv) {
-                let point = patch.at(uv.x, uv.y);
+            let [low, high] = surface.patch_domain(patch);
+            if left == 0 || !surface.trims.cut(low + uv * (high - low)) {
+                let point = surface.at(patch, uv.x, uv.y);
                 let tangent = |vector: DVec3| surface.transform.transform_vector3(vector);
                 let normal = tangent(point.du).cross(tangent(point.dv)).try_normalize();
                 return (surface.transform.transform_point3(point.position), normal);

@@ -1,11 +1,13 @@
 //! A scene as data instead of colours: AOVs of each pixel, and the triangles that the tessellator generates.
 
+use glam::DVec2;
+
 use super::PreparedScene;
 use crate::aov::Aovs;
 use crate::error::Result;
 use crate::gpu::FloatTarget;
 use crate::programs::Output;
-use crate::renderer::{DrawnVertex, Frame, Renderer};
+use crate::renderer::{DrawnVertex, Frame, PreparedSurface, Renderer};
 use crate::scene::{Method, Normals};
 
 impl PreparedScene {
@@ -23,7 +25,35 @@ impl PreparedScene {
         frame.settings.wireframe = false;
         target.bind_cleared();
         self.draw_together(renderer, &frame, Output::Aovs)?;
-        Ok(target.aovs())
+        let mut aovs = target.aovs();
+        self.set_parameters(&mut aovs);
+        Ok(aovs)
+    }
+
+    /// Replaces u and v in the patches by those in the domains of NURBS surfaces.
+    fn set_parameters(&self, aovs: &mut Aovs) {
+        let surfaces = self.surfaces.iter().map(PreparedSurface::surface);
+        // For each surface, the number of its first patch.
+        let mut firsts = Vec::new();
+        let mut next = 0;
+        for surface in surfaces.clone() {
+            firsts.push(next);
+            next += surface.patches().len();
+        }
+        if surfaces.clone().all(|surface| surface.nurbs().is_none()) {
+            return;
+        }
+        for (uv, own) in aovs.uv.iter_mut().zip(&aovs.patch_uv) {
+            let patch = uv[2] as usize;
+            if uv[3] == 0.0 || patch >= next {
+                continue;
+            }
+            let number = firsts.partition_point(|first| *first <= patch) - 1;
+            let [low, high] =
+                self.surfaces[number].surface().patch_domain(patch - firsts[number]);
+            let place = low + DVec2::new(own[0].into(), own[1].into()) * (high - low);
+            [uv[0], uv[1]] = place.as_vec2().to_array();
+        }
     }
 
     /// Captures the vertices of all triangles that a frame of the exact method draws, three for each triangle. The

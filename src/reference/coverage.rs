@@ -14,9 +14,9 @@ use super::TrimDecision;
 use super::raster::owns;
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::scene::{Method, Scene};
+use crate::scene::{Method, Scene, Surface};
+use crate::tessellation::SurfaceTrims;
 use crate::thesis::newton::Newton;
-use crate::trim::{TrimGrid, Trims};
 use rows::TrimRows;
 use sub_patch::SubPatch;
 
@@ -78,9 +78,10 @@ pub fn coverage(
         Depth::Parallel { .. } => 1.0,
     };
     for surface in &scene.surfaces {
-        let cut = Cut::new(&surface.trims, scene.settings.newton, method)?;
+        let mut cut = Cut::new(surface, scene.settings.newton, method)?;
         let to_clip = own_clip * projection.view * surface.transform;
-        for patch in surface.patches() {
+        for (number, patch) in surface.patches().enumerate() {
+            cut.patch = number;
             let whole = SubPatch::whole(&patch, &to_clip, near_w);
             whole.cut_up(size, &mut |sub_patch, cells| canvas.sub_patch(sub_patch, cells, &cut));
         }
@@ -162,30 +163,49 @@ pub fn has_gap_near(
     Ok(shown.pixels.iter().any(|cover| !cover.covered()))
 }
 
-/// Trims in a form that is fast enough to evaluate at every pixel.
-enum Cut<'a> {
+/// The trims of a patch in a form that is fast enough to evaluate at every pixel.
+struct Cut<'a> {
+    surface: &'a Surface,
+    decision: Decision<'a>,
+    /// The number of the patch in its surface.
+    patch: usize,
+}
+
+enum Decision<'a> {
     Nothing,
     Thesis(TrimDecision<'a>),
-    Exact(&'a Trims, TrimRows<'a>, TrimGrid),
+    Exact(TrimRows<'a>, SurfaceTrims),
 }
 
 impl<'a> Cut<'a> {
-    fn new(trims: &'a Trims, newton: Newton, method: Method) -> Result<Self> {
+    fn new(surface: &'a Surface, newton: Newton, method: Method) -> Result<Self> {
+        let trims = &surface.trims;
         let shapes = trims.circles.len() + trims.rects.len() + trims.ellipses.len();
-        Ok(if shapes == 0 && !trims.has_loops() {
-            Self::Nothing
+        let decision = if shapes == 0 && !trims.has_loops() {
+            Decision::Nothing
         } else if method == Method::Thesis {
-            Self::Thesis(TrimDecision::new(trims, newton, method)?)
+            Decision::Thesis(TrimDecision::new(trims, newton, method)?)
         } else {
-            Self::Exact(trims, TrimRows::new(trims), TrimGrid::new(trims))
-        })
+            let [low, high] = surface.domain();
+            let rows = TrimRows::new(trims, [low.y, high.y]);
+            Decision::Exact(rows, SurfaceTrims::new(trims, surface.patch_grid()))
+        };
+        Ok(Self { surface, decision, patch: 0 })
     }
 
+    /// Whether there may be something to cut.
+    const fn is_possible(&self) -> bool {
+        !matches!(self.decision, Decision::Nothing)
+    }
+
+    /// Whether a place of the patch is cut; u and v run from 0 to 1 along the patch.
     fn cuts(&self, uv: DVec2) -> bool {
-        match self {
-            Self::Nothing => false,
-            Self::Thesis(decision) => decision.cut(uv),
-            Self::Exact(trims, rows, _) => trims.shapes_cut(uv) || rows.cut(uv),
+        let [low, high] = self.surface.patch_domain(self.patch);
+        let place = low + uv * (high - low);
+        match &self.decision {
+            Decision::Nothing => false,
+            Decision::Thesis(decision) => decision.cut(place),
+            Decision::Exact(rows, _) => self.surface.trims.shapes_cut(place) || rows.cut(place),
         }
     }
 }
@@ -410,7 +430,7 @@ impl Triangle {
         let uv = self.uv(weights);
         // The depth of the surface itself is used: in depth, the triangles may be far from it.
         let depth = sub_patch.depth(uv).clamp(-1.0, 1.0);
-        let may_be_cut = !matches!(cut, Cut::Nothing);
+        let may_be_cut = cut.is_possible();
         if spot.covered && depth >= spot.nearest && (spot.cut || !may_be_cut) {
             return;
         }
@@ -426,7 +446,7 @@ impl Triangle {
         }
         if covers || spot.beside != 0 {
             spot.covered = true;
-            spot.whole = matches!(cut, Cut::Nothing) || !self.is_cut_around(center, cut);
+            spot.whole = !cut.is_possible() || !self.is_cut_around(center, cut);
         } else {
             spot.beside = number;
         }
@@ -444,9 +464,9 @@ impl Triangle {
             }
             (low, high) = (low.min(uv), high.max(uv));
         }
-        match cut {
-            Cut::Exact(_, _, grid) => {
-                grid.cut_throughout(low.as_vec2(), high.as_vec2()) != Some(false)
+        match &cut.decision {
+            Decision::Exact(_, trims) => {
+                trims.cut_throughout(cut.patch, low.as_vec2(), high.as_vec2()) != Some(false)
             }
             _ => false,
         }

@@ -17,13 +17,15 @@ impl FloatTarget {
         Self::new(renderer.gl(), size, PICTURES)
     }
 
-    /// The AOVs that `common/aov.frag` has written to such a target.
+    /// The AOVs that `common/aov.frag` has written to such a target. u and v are those in the patch.
     pub(crate) fn aovs(&self) -> Aovs {
         let (uv, position, both) = (self.read(0), self.read(1), self.read(2));
         // The alpha of the first image is 1 where something is drawn, and 0 elsewhere.
         let drawn = |i: usize| uv[i][3];
         let normal = both.iter().enumerate().map(|(i, [x, y, z, _])| [*x, *y, *z, drawn(i)]);
         let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);
-        Aovs { size: self.size(), normal: normal.collect(), depth: depth.collect(), uv, position }
+        let patch_uv = uv.iter().map(|[u, v, ..]| [*u, *v]).collect();
+        let (normal, depth) = (normal.collect(), depth.collect());
+        Aovs { size: self.size(), normal, depth, uv, patch_uv, position }
     }
 }

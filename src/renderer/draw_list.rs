@@ -11,17 +11,18 @@ use bytemuck::Pod;
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec4};
 
 use super::draws::{Draw, PlanKey, divide};
-use super::surface::{PreparedSurface, Revision};
-use super::{Frame, Renderer};
+use super::surface::{PreparedSurface, Revision, to_bytes};
+use super::trims::TrimWords;
+use super::{Frame, RED, Renderer, in_lines};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
-use crate::programs::TrimFeatures;
+use crate::programs::{Output, Painting, TrimFeatures};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
     EdgeSource, EdgeTable, Eye, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
-    SurfacePatches,
+    SurfacePatches, TrimmedList,
 };
 
 /// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
@@ -41,17 +42,22 @@ pub(crate) struct DrawList {
     batches: Vec<Batch>,
     /// For each surface, the lists of the plan that its sub-patches go to.
     lists: Vec<Lists>,
-    key: Option<PlanKey>,
+    /// The frame that everything is up to date with, and whether it is drawn in red lines.
+    key: Option<(PlanKey, bool)>,
+    /// The grids of all surfaces' trims.
+    trims: TrimWords,
     plan: Plan,
     /// The sub-patches of all lists, one list after the other, about to be uploaded.
     staged: Vec<SubPatch>,
     /// The contents of the buffer `sub_patches`.
     uploaded: Vec<SubPatch>,
     sub_patches: Option<Buffer>,
-    /// The matrices of all surfaces as 32-bit columns; see [`matrices`].
+    /// For each surface, the columns of its matrices as `f32` ([`matrices`]), the last of which is its colour.
     columns: Vec<Vec4>,
-    /// The same in a buffer, if a draw needs the matrices of several surfaces.
+    /// The same in a buffer.
     matrices: Option<TexelBuffer>,
+    /// For each patch, where its domain lies in that of its surface, if a picture is drawn over the latter.
+    domains: Option<TexelBuffer>,
     draws: Vec<Draw>,
 }
 
@@ -65,14 +71,13 @@ impl Vertex for SubPatch {
 /// The properties that all sub-patches of a list share.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Batch {
-    /// The first surface of the batch. Its texture, trims and control points' buffer are bound;
-    /// other surfaces of the batch share them.
+    /// The first surface of the batch. Its texture and control points' buffer are bound; other
+    /// surfaces of the batch share them.
     pub(crate) surface: usize,
     pub(crate) degree: Degree,
     pub(crate) shading: Shading,
     pub(crate) patches: PatchKind,
-    /// Whether other surfaces belong to the batch too. Each has its own matrices.
-    pub(crate) shared: bool,
+    pub(crate) painting: Painting,
     pub(crate) trims: TrimFeatures,
 }
 
@@ -80,12 +85,12 @@ pub(crate) struct Batch {
 #[derive(PartialEq, Eq, Hash)]
 struct BatchKey {
     points: *const TexelBuffer,
-    texture: *const crate::gpu::Texture,
+    texture: Option<*const crate::gpu::Texture>,
     degree: Degree,
     shading: Shading,
     patches: PatchKind,
-    /// The index of the surface if its trims may cut the sub-patches: no two surfaces share trims.
-    trimmed: Option<usize>,
+    painting: Painting,
+    trims: TrimFeatures,
 }
 
 impl DrawList {
@@ -106,14 +111,16 @@ impl DrawList {
         for surface in &mut *surfaces {
             surface.upload_trims(renderer.gl(), &frame.settings)?;
         }
-        let key = PlanKey::new(frame, frame.settings.tessellation);
+        self.trims.update(renderer.gl(), surfaces)?;
+        let in_lines = in_lines(&frame.settings, Output::Picture);
+        let key = (PlanKey::new(frame, frame.settings.tessellation), in_lines);
         let same = self.note_revisions(surfaces);
         if same && self.key == Some(key) {
             return Ok(());
         }
         // If the update fails, the next one starts again.
         self.key = None;
-        self.plan(surfaces, &key);
+        self.plan(surfaces, &key.0);
         self.upload(renderer, surfaces, &key)?;
         self.key = Some(key);
         Ok(())
@@ -141,9 +148,12 @@ impl DrawList {
         self.matrices.as_ref()
     }
 
-    /// The matrices of a surface, column by column.
-    pub(super) fn columns(&self, surface: usize) -> &[Vec4] {
-        &self.columns[surface * MATRIX_TEXELS..][..MATRIX_TEXELS]
+    pub(super) const fn domains(&self) -> Option<&TexelBuffer> {
+        self.domains.as_ref()
+    }
+
+    pub(super) const fn trims(&self) -> &TrimWords {
+        &self.trims
     }
 
     pub(crate) fn stats(&self) -> FrameStats {
@@ -175,40 +185,42 @@ impl DrawList {
         self.lists.clear();
         let mut known: HashMap<BatchKey, u32> = HashMap::new();
         for (number, surface) in surfaces.iter().enumerate() {
-            let trims = surface.uploaded_trims().exact.as_ref();
-            let features = trims.map_or(TrimFeatures::NONE, |trims| trims.features());
+            let painting = match surface.texture() {
+                None => Painting::Color,
+                Some(_) if surface.surface().nurbs().is_some() => Painting::PictureOverDomain,
+                Some(_) => Painting::Picture,
+            };
             let batches = &mut self.batches;
-            let mut list = |patches: PatchKind, trimmed: bool| {
+            let mut list = |patches: PatchKind, trims: TrimFeatures| {
                 let key = BatchKey {
                     points: Rc::as_ptr(surface.uploaded_points().texels()),
-                    texture: Rc::as_ptr(surface.texture()),
+                    texture: surface.texture().map(Rc::as_ptr),
                     degree: surface.degree(),
                     shading: surface.shading(),
                     patches,
-                    trimmed: trimmed.then_some(number),
+                    painting,
+                    trims,
                 };
-                let batch = *known.entry(key).or_insert_with(|| {
+                *known.entry(key).or_insert_with(|| {
                     batches.push(Batch {
                         surface: number,
                         degree: surface.degree(),
                         shading: surface.shading(),
                         patches,
-                        shared: false,
-                        trims: if trimmed { features } else { TrimFeatures::NONE },
+                        painting,
+                        trims,
                     });
                     batches.len() as u32 - 1
-                });
-                let known = &mut batches[batch as usize];
-                known.shared |= known.surface != number;
-                batch
+                })
             };
-            let kept = PatchKind::ALL.map(|patches| list(patches, false));
-            let trimmed = if features.any() {
-                PatchKind::ALL.map(|patches| list(patches, true))
-            } else {
-                kept
-            };
-            self.lists.push(Lists { kept, trimmed });
+            let kept = PatchKind::ALL.map(|patches| list(patches, TrimFeatures::NONE));
+            let exact = surface.uploaded_trims().exact.as_ref();
+            let places = exact.into_iter().flat_map(|exact| self.trims.places(number, exact));
+            let trimmed = places.map(|(place, features)| TrimmedList {
+                lists: PatchKind::ALL.map(|patches| list(patches, features)),
+                place,
+            });
+            self.lists.push(Lists { kept, trimmed: trimmed.collect() });
         }
     }
 
@@ -235,8 +247,8 @@ impl DrawList {
             .of_degree(degree);
             let first_point = surface.uploaded_points().first() as u32;
             let (net_side, nets, cones, trims) = surface.for_plan();
-            let (trims, fixed) =
-                trims.exact.as_mut().map_or((None, None), |trims| trims.sub_patches());
+            // They were made when the trims were uploaded.
+            let Some(trims) = &mut trims.exact else { continue };
             patches.push(SurfacePatches {
                 degree,
                 net_side,
@@ -245,12 +257,11 @@ impl DrawList {
                 rounding,
                 cones,
                 back,
-                trims,
-                fixed,
+                trims: &mut trims.surface,
                 first_point,
                 first_patch,
                 number: number as u32,
-                lists: self.lists[number],
+                lists: &self.lists[number],
             });
             first_patch += cones.len() as u32;
         }
@@ -268,7 +279,7 @@ impl DrawList {
         &mut self,
         renderer: &Renderer,
         surfaces: &[PreparedSurface],
-        key: &PlanKey,
+        (key, in_lines): &(PlanKey, bool),
     ) -> Result<()> {
         let gl = renderer.gl();
         self.draws.clear();
@@ -297,17 +308,26 @@ impl DrawList {
         }
         let texels: Vec<Vec4> = surfaces
             .iter()
-            .flat_map(|surface| matrices(&surface.points_to_world(), &key.camera))
+            .flat_map(|surface| {
+                let mut columns = matrices(&surface.points_to_world(), &key.camera);
+                let color = if *in_lines { RED } else { surface.color() };
+                let [r, g, b] = to_bytes(color).map(|channel| f32::from(channel) * (1.0 / 255.0));
+                columns[MATRIX_TEXELS - 1] = Vec4::new(r, g, b, 1.0);
+                columns
+            })
             .collect();
         match &self.matrices {
-            // Where no batch has several surfaces, the matrices are uniforms.
-            _ if !self.batches.iter().any(|batch| batch.shared) => self.matrices = None,
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
                 write_changed(matrices.buffer(), &self.columns, &texels);
             }
-            _ => self.matrices = Some(TexelBuffer::of_vectors(gl, "matrices", &texels)?),
+            _ => self.matrices = Some(TexelBuffer::of_vectors(gl, "surfaces", &texels)?),
         }
         self.columns = texels;
+        let over_domains =
+            self.batches.iter().any(|batch| batch.painting == Painting::PictureOverDomain);
+        if over_domains && self.domains.is_none() {
+            self.domains = Some(TexelBuffer::of_vectors(gl, "domains", &domains_of(surfaces))?);
+        }
         Ok(())
     }
 }
@@ -349,11 +369,25 @@ pub(crate) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> 
             let next = groups.len() as u32;
             EdgeSource {
                 degree: surface.degree(),
-                points: surface.surface().control_points(),
+                points: surface.surface().patch_points(),
                 group: *groups.entry(bits).or_insert(next),
+                grid: surface.surface().patch_grid(),
             }
         })
         .collect()
+}
+
+/// For each patch, the first u and v and the lengths along u and v of its domain, if that of its surface is [0, 1]².
+fn domains_of(surfaces: &[PreparedSurface]) -> Vec<Vec4> {
+    let of_patches = surfaces.iter().flat_map(|surface| {
+        let [low, high] = surface.surface().domain();
+        (0..surface.cones().len()).map(move |patch| {
+            let [first, last] = surface.surface().patch_domain(patch);
+            let [place, size] = [(first - low) / (high - low), (last - first) / (high - low)];
+            DVec4::new(place.x, place.y, size.x, size.y).as_vec4()
+        })
+    });
+    of_patches.collect()
 }
 
 /// The position of the eye, or the direction towards it, in model space.
@@ -369,8 +403,8 @@ fn eye_in_model(camera: &ViewProjection, model: &DMat4) -> Eye {
 
 /// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to
 /// clip space, from these to view space, and from the cross product of two tangents to the normal
-/// in view space. The last one is scaled, because only the direction of a normal matters, and is
-/// padded with a zero column.
+/// in view space. The last one is scaled, because only the direction of a normal matters, and has
+/// three columns; a zero column follows.
 pub(super) fn matrices(points_to_world: &DMat4, camera: &ViewProjection) -> [Vec4; MATRIX_TEXELS] {
     let to_view = camera.view * *points_to_world;
     let to_clip = camera.for_driver() * to_view;

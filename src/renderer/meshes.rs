@@ -358,9 +358,9 @@ impl Renderer {
         let Some(levels) = &mesh.levels else { return Ok(()) };
         let smoothing = mesh.model.smoothing();
         let is_picture = output == Output::Picture;
-        let own = &mesh.paints[0].texture;
-        let (shading, _) = self.style(mesh.model.shading, own, &frame.settings, output);
         let in_lines = in_lines(&frame.settings, output);
+        let shading = if in_lines { Shading::Unlit } else { mesh.model.shading };
+        let lines = if in_lines { Some(self.color_texture(super::RED)?) } else { None };
         let colored = mesh.colors.is_some() && is_picture && !in_lines;
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },
@@ -403,8 +403,7 @@ impl Renderer {
         array.bind(&mesh.corners);
         array.bind_colors(mesh.colors.as_ref().filter(|_| colored));
         let bind = |paint: usize| {
-            let texture = &mesh.paints[paint].texture;
-            self.style(shading, texture, &frame.settings, output).1.bind(0);
+            lines.as_ref().unwrap_or(&mesh.paints[paint].texture).bind(0);
         };
         self.make_draws(&mesh.draws, 3, bind, captured)
     }

@@ -2,11 +2,13 @@
 
 use super::capture::DrawnVertex;
 use super::draw_list::{Batch, DrawList};
-use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
+use super::uniforms::{set_aovs, set_depth, set_lights};
 use super::{Frame, PreparedSurface, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::samples_of_target;
-use crate::programs::{CONTROL_POINTS_UNIT, Output, Pipeline, ProgramKey, SURFACES_UNIT};
+use crate::programs::{
+    CONTROL_POINTS_UNIT, DOMAINS_UNIT, Output, Painting, Pipeline, ProgramKey, SURFACES_UNIT,
+};
 use crate::scene::Shading;
 
 impl Renderer {
@@ -27,20 +29,28 @@ impl Renderer {
         let Some(sub_patches) = draw_list.sub_patches() else { return Ok(()) };
         let settings = &frame.settings;
         let samples = samples_of_target(self.gl());
+        let in_lines = in_lines(settings, output);
+        // Red lines, normals and AOVs need no picture, unless it has holes.
+        let is_painted = |batch: &Batch| {
+            let texture = surfaces[batch.surface].texture();
+            let has_holes = texture.is_some_and(|texture| texture.has_holes());
+            let is_shown = batch.shading != Shading::Normals || has_holes;
+            output == Output::Picture && !in_lines && is_shown
+        };
         let key = |batch: &Batch| ProgramKey {
             pipeline: Pipeline::Exact {
                 degree: batch.degree,
                 samples,
                 patches: batch.patches,
-                shared: batch.shared,
+                painting: if is_painted(batch) { batch.painting } else { Painting::Color },
                 normals: settings.normals,
             },
-            shading: if in_lines(settings, output) { Shading::Unlit } else { batch.shading },
+            shading: if in_lines { Shading::Unlit } else { batch.shading },
             trims: batch.trims,
             output,
             cut_out: output == Output::Picture
-                && !in_lines(settings, output)
-                && surfaces[batch.surface].texture().has_holes(),
+                && is_painted(batch)
+                && surfaces[batch.surface].texture().is_some_and(|texture| texture.has_holes()),
             far_depth: frame.camera.depth_scale().is_some(),
         };
         // All programs are linked before anything is bound, because the driver may reject one.
@@ -54,22 +64,25 @@ impl Renderer {
             let program = &this.programs[&key(batch)];
             program.bind();
             set_depth(program, frame);
-            let (shading, texture) = this.style(batch.shading, surface.texture(), settings, output);
             match output {
                 Output::Aovs => set_aovs(program, frame),
-                _ if shading == Shading::Phong => set_lights(program, frame),
+                _ if key(batch).shading == Shading::Phong => set_lights(program, frame),
                 _ => {}
             }
-            if batch.trims.any()
-                && let Some(trims) = &surface.uploaded_trims().exact
-            {
-                trims.bind();
+            if batch.trims.any() {
+                draw_list.trims().bind();
             }
-            texture.bind(0);
+            if let Some(texture) = surface.texture().filter(|_| is_painted(batch)) {
+                texture.bind(0);
+            }
             surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
-            match draw_list.matrices().filter(|_| batch.shared) {
-                Some(matrices) => matrices.bind(SURFACES_UNIT),
-                None => set_columns(program, draw_list.columns(batch.surface), 1.0),
+            for (buffer, unit) in [
+                (draw_list.matrices(), SURFACES_UNIT),
+                (draw_list.domains(), DOMAINS_UNIT),
+            ] {
+                if let Some(buffer) = buffer {
+                    buffer.bind(unit);
+                }
             }
             this.set_state(frame, 1, settings.wireframe);
             this.sub_patches_array.bind(sub_patches);

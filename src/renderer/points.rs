@@ -82,13 +82,14 @@ impl ControlPoints {
         Ok(surfaces.iter().map(place).collect())
     }
 
-    /// Overwrites one point.
-    pub(crate) fn write(&mut self, index: usize, point: DVec4) {
+    /// Overwrites points from an index on.
+    pub(crate) fn write(&mut self, index: usize, points: &[DVec4]) {
         let LocalFrame { center, scale } = self.centering;
-        let far = ((point.truncate() - center) / scale).abs().max_element();
-        self.extent = self.extent.max(far);
-        self.moved += 1;
-        self.buffer.buffer().write(self.first + index, &[self.centering.apply(point)]);
+        let far = |point: &DVec4| ((point.truncate() - center) / scale).abs().max_element();
+        self.extent = points.iter().map(far).fold(self.extent, f64::max);
+        self.moved += points.len();
+        let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();
+        self.buffer.buffer().write(self.first + index, &values);
     }
 
     /// The index of the surface's first point in the buffer.

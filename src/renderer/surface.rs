@@ -3,13 +3,13 @@
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use super::points::{ControlPoints, LocalFrame};
 use super::trims::UploadedTrims;
 use crate::bezier::Degree;
 use crate::error::Result;
-use crate::gpu::{Gl, Texture};
+use crate::gpu::{Buffer, Gl, Texture};
 use crate::scene::{Cull, Image, Method, Paint, RenderSettings, Shading, Surface, check_transform};
 use crate::tessellation::{NormalCone, SquareNets};
 use crate::trim::Trims;
@@ -24,7 +24,10 @@ pub struct PreparedSurface {
     /// One cone for each patch.
     cones: Vec<NormalCone>,
     nets: SquareNets,
-    texture: Rc<Texture>,
+    /// Used instead of the surface's paint.
+    texture: Option<Rc<Texture>>,
+    /// The control points of a NURBS surface, once they were drawn.
+    net: Option<Buffer>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
 }
@@ -39,15 +42,15 @@ pub(super) struct Revision {
 }
 
 /// Returns a number that was never returned before.
-fn new_number() -> u64 {
+pub(super) fn new_number() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 impl PreparedSurface {
-    /// Uploads a surface. The given texture is used instead of the surface's paint.
-    pub(crate) fn new(gl: &Gl, surface: Surface, texture: Rc<Texture>) -> Result<Self> {
-        let points = surface.control_points();
+    /// Uploads a surface. If a texture is given, it is used instead of the surface's paint; a picture must be given.
+    pub(crate) fn new(gl: &Gl, surface: Surface, texture: Option<Rc<Texture>>) -> Result<Self> {
+        let points = surface.patch_points();
         let centering = LocalFrame::of(points.iter());
         let mut uploaded = ControlPoints::upload(gl, &[(points, centering)])?;
         Self::with_points(surface, texture, uploaded.remove(0))
@@ -56,19 +59,20 @@ impl PreparedSurface {
     /// The same, with control points that are already uploaded.
     pub(crate) fn with_points(
         surface: Surface,
-        texture: Rc<Texture>,
+        texture: Option<Rc<Texture>>,
         control_points: ControlPoints,
     ) -> Result<Self> {
         check_transform(&surface.transform)?;
         surface.trims.check()?;
         let degree = surface.degree();
-        let patches = surface.control_points().chunks_exact(degree.points());
+        let patches = surface.patch_points().chunks_exact(degree.points());
         Ok(Self {
             cones: patches.map(|points| NormalCone::new(degree, points)).collect(),
-            nets: SquareNets::new(degree, surface.control_points()),
+            nets: SquareNets::new(degree, surface.patch_points()),
             surface,
             control_points,
             texture,
+            net: None,
             uploaded_trims: UploadedTrims::default(),
             revision: Revision { borders: new_number(), rest: new_number() },
         })
@@ -100,35 +104,54 @@ impl PreparedSurface {
         self.set_control_point(point.extend(weight), index)
     }
 
-    /// Moves one control point and sets its weight. Only this point is uploaded. If it moves far out of the control
-    /// points' bounding box, or if the box becomes much smaller, all points of the surface are centred again and
-    /// uploaded. Edges shared with other surfaces then differ from theirs by rounding.
+    /// Moves one control point and sets its weight. Only this point is uploaded, or for a NURBS surface, the patches that
+    /// change. If points move far out of the control points' bounding box, or if the box becomes much smaller, all points
+    /// of the surface are centred again and uploaded. Edges shared with other surfaces then differ from theirs by rounding.
     ///
     /// # Errors
     /// An index out of range, a point that is not finite, or a weight that is not above 0; the surface stays
     /// unchanged.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
+        let before = self.surface.nurbs().map(|_| self.surface.shared_patch_points());
         self.surface.set_control_point(point, index)?;
-        self.control_points.write(index, point);
-        let points = self.surface.control_points();
         let degree = self.surface.degree();
+        let points = self.surface.patch_points();
+        let (changed, on_border): (Vec<usize>, bool) = match before {
+            None => {
+                self.control_points.write(index, &[point]);
+                let of_patch = index % degree.points();
+                (vec![index / degree.points()], degree.is_on_border(of_patch))
+            }
+            Some(before) => {
+                let patches = points.chunks_exact(degree.points()).enumerate();
+                let pairs = patches.zip(before.chunks_exact(degree.points()));
+                let changed = pairs.filter(|((_, now), before)| now != before);
+                (changed.map(|((patch, _), _)| patch).collect(), true)
+            }
+        };
+        for patch in &changed {
+            let first = patch * degree.points();
+            let points = &points[first..][..degree.points()];
+            if self.surface.nurbs().is_some() {
+                self.control_points.write(first, points);
+            }
+            self.cones[*patch] = NormalCone::new(degree, points);
+            self.nets.update(*patch, points);
+        }
         if self.control_points.are_off_center(points) {
             self.control_points.recenter(points);
             self.revision.borders = new_number();
-        } else if degree.is_on_border(index % degree.points()) {
+        } else if on_border {
             self.revision.borders = new_number();
         }
-        let patch = index / degree.points();
-        let points = &self.surface.control_points()[patch * degree.points()..][..degree.points()];
-        self.cones[patch] = NormalCone::new(degree, points);
-        self.nets.update(patch, points);
+        self.net = None;
         self.revision.rest = new_number();
         Ok(())
     }
 
     /// Sets the surface's texture; several surfaces may share one.
     pub fn set_texture(&mut self, texture: Rc<Texture>) {
-        self.texture = texture;
+        self.texture = Some(texture);
         self.revision.rest = new_number();
     }
 
@@ -167,9 +190,10 @@ impl PreparedSurface {
     /// Degrees or trims that the method does not draw; no memory.
     pub(crate) fn upload_trims(&mut self, gl: &Gl, settings: &RenderSettings) -> Result<()> {
         if settings.method == Method::Thesis {
-            self.degree().check_for_thesis()?;
+            self.surface.check_for_thesis()?;
         }
-        self.uploaded_trims.prepare(gl, &self.surface.trims, settings)
+        let patches = self.surface.patch_grid();
+        self.uploaded_trims.prepare(gl, &self.surface.trims, patches, settings)
     }
 
     pub(crate) const fn degree(&self) -> Degree {
@@ -180,8 +204,17 @@ impl PreparedSurface {
         self.surface.shading
     }
 
-    pub(crate) const fn texture(&self) -> &Rc<Texture> {
-        &self.texture
+    /// The texture that is used instead of the surface's paint.
+    pub(crate) const fn texture(&self) -> Option<&Rc<Texture>> {
+        self.texture.as_ref()
+    }
+
+    /// The colour of the surface, if it has no texture.
+    pub(crate) fn color(&self) -> [f32; 3] {
+        match self.surface.paint {
+            Paint::Color(rgb) => rgb,
+            Paint::Texture(_) => [1.0; 3],
+        }
     }
 
     pub(crate) const fn uploaded_points(&self) -> &ControlPoints {
@@ -191,6 +224,24 @@ impl PreparedSurface {
     /// The uploaded form of the trims; it holds only the data needed until now.
     pub(crate) const fn uploaded_trims(&self) -> &UploadedTrims {
         &self.uploaded_trims
+    }
+
+    /// A buffer with the control points as they were given, centred, and the index of the first of them.
+    ///
+    /// # Errors
+    /// No memory.
+    pub(super) fn net(&mut self, gl: &Gl) -> Result<(&Buffer, usize)> {
+        let Some(nurbs) = self.surface.nurbs() else {
+            return Ok((self.control_points.buffer(), self.control_points.first()));
+        };
+        if self.net.is_none() {
+            let centering = self.control_points.centering();
+            let points = nurbs.control_points().iter().map(|point| centering.apply(*point));
+            let points: Vec<Vec4> = points.collect();
+            self.net = Some(Buffer::new(gl, "control points of a NURBS surface", &points)?);
+        }
+        let net = self.net.as_ref().unwrap_or_else(|| self.control_points.buffer());
+        Ok((net, 0))
     }
 
     pub(crate) fn cones(&self) -> &[NormalCone] {
@@ -209,9 +260,14 @@ impl PreparedSurface {
     /// Borrows for the planning pass: the points along a side of the patches' square nets, these nets, the cones and
     /// the trims.
     pub(super) fn for_plan(&mut self) -> (usize, &[DVec4], &[NormalCone], &mut UploadedTrims) {
-        let nets = self.nets.all(self.surface.control_points());
+        let nets = self.nets.all(self.surface.patch_points());
         (self.nets.side(), nets, &self.cones, &mut self.uploaded_trims)
     }
+}
+
+/// A colour in 8 bits for each channel.
+pub(super) fn to_bytes(rgb: [f32; 3]) -> [u8; 3] {
+    rgb.map(|channel| (channel * 255.0).round() as u8)
 }
 
 impl Paint {
@@ -223,7 +279,7 @@ impl Paint {
         match self {
             Self::Texture(image) => Texture::new(gl, "surface picture", image),
             Self::Color(rgb) => {
-                let [r, g, b] = rgb.map(|channel| (channel * 255.0).round() as u8);
+                let [r, g, b] = to_bytes(*rgb);
                 let texel = Image::from_pixel(1, 1, image::Rgba([r, g, b, 255]));
                 Texture::new(gl, "surface color", &texel)
             }

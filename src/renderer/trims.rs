@@ -1,19 +1,18 @@
-//! The trims of a surface in the driver's memory, in one form for each method.
+//! The trims of surfaces in the driver's memory, in one form for each method.
 
-use std::sync::Arc;
-
-use glam::Vec2;
-
-use crate::error::Result;
+use crate::bezier::PatchGrid;
+use crate::error::{Error, Result};
 use crate::gpu::{Gl, TexelBuffer};
 use crate::programs::{TRIM_WORDS_UNIT, TrimFeatures};
-use crate::scene::{Method, RenderSettings, TessLevel, Tessellation};
-use crate::tessellation::{FixedSplit, TrimSplits};
+use crate::scene::{Method, RenderSettings, Tessellation};
+use crate::tessellation::SurfaceTrims;
 use crate::thesis::trims::ThesisTrims;
 use crate::trim::{TrimGrid, Trims};
 
-/// The trims in the forms that the shaders of the two methods read. A form is made when its method
-/// first draws the surface, and is discarded when the trims change.
+use super::surface::{PreparedSurface, new_number};
+
+/// The trims in the forms that the two methods need. A form is made when its method first draws the surface, and is
+/// discarded when the trims change.
 #[derive(Debug, Default)]
 pub(crate) struct UploadedTrims {
     pub(crate) thesis: Option<ThesisTrims>,
@@ -21,11 +20,12 @@ pub(crate) struct UploadedTrims {
 }
 
 impl UploadedTrims {
-    /// Makes what the method of the settings needs, if it is not made yet.
+    /// Makes what the method of the settings needs, if it is not made yet. `patches` are those of a NURBS surface.
     pub(super) fn prepare(
         &mut self,
         gl: &Gl,
         trims: &Trims,
+        patches: Option<&PatchGrid>,
         settings: &RenderSettings,
     ) -> Result<()> {
         match settings.method {
@@ -33,13 +33,9 @@ impl UploadedTrims {
                 self.thesis = Some(ThesisTrims::new(gl, trims)?);
             }
             Method::Exact => {
-                if self.exact.is_none() {
-                    self.exact = Some(ExactTrims::new(gl, trims)?);
-                }
-                if let (Some(exact), Tessellation::Level(level)) =
-                    (&mut self.exact, settings.tessellation)
-                {
-                    exact.fix(level);
+                let exact = self.exact.get_or_insert_with(|| ExactTrims::new(trims, patches));
+                if let Tessellation::Level(level) = settings.tessellation {
+                    exact.surface.fix(level);
                 }
             }
             Method::Thesis => {}
@@ -48,63 +44,157 @@ impl UploadedTrims {
     }
 }
 
-/// The exact method's grid, and the results of trimming sub-patches with it.
+/// The exact method's grids of a surface, and the results of trimming sub-patches with them.
 #[derive(Debug)]
 pub(crate) struct ExactTrims {
-    grid: Arc<TrimGrid>,
-    features: TrimFeatures,
-    /// The grid in the form that the shaders read; `None` if they need no trim code.
-    words: Option<TexelBuffer>,
-    /// For frames within a tolerance.
-    sub_patches: TrimSplits,
-    /// For frames at a fixed level: those of the level that was requested last.
-    fixed: Option<(TessLevel, FixedSplit)>,
+    pub(super) surface: SurfaceTrims,
+    /// No two trims have the same number.
+    number: u64,
 }
 
 impl ExactTrims {
-    fn new(gl: &Gl, trims: &Trims) -> Result<Self> {
-        let grid = Arc::new(TrimGrid::new(trims));
-        let features = TrimFeatures {
-            loop_columns: grid.loop_columns(),
-            finer_loops: grid.has_finer_cells(),
-            long_lists: grid.has_long_lists(),
-            fill_rules: grid.has_rules(),
-            shape_grid: grid.has_shapes(),
-            ..TrimFeatures::NONE
-        };
-        let words = features.any().then(|| TexelBuffer::of_words(gl, "trim grid", grid.words()));
-        let sub_patches = TrimSplits::new(&grid);
-        Ok(Self { grid, features, words: words.transpose()?, sub_patches, fixed: None })
+    fn new(trims: &Trims, patches: Option<&PatchGrid>) -> Self {
+        Self { surface: SurfaceTrims::new(trims, patches), number: new_number() }
     }
 
-    /// Makes the sub-patches for a fixed level, if they are not made yet.
-    fn fix(&mut self, level: TessLevel) {
-        if self.fixed.as_ref().is_none_or(|(known, _)| *known != level) {
-            self.fixed = Some((level, FixedSplit::new(&self.grid, level)));
+    /// The number of words of all grids.
+    fn size(&self) -> usize {
+        self.surface.grids().map(size_of).sum()
+    }
+}
+
+/// The parts of the trim code that a grid needs.
+pub(super) fn features(grid: &TrimGrid) -> TrimFeatures {
+    TrimFeatures {
+        grid_loops: grid.loop_columns().is_some(),
+        finer_loops: grid.has_finer_cells(),
+        long_lists: grid.has_long_lists(),
+        fill_rules: grid.has_rules(),
+        shape_grid: grid.has_shapes(),
+        ..TrimFeatures::NONE
+    }
+}
+
+/// A grid begins at a multiple of this number of words.
+const ALIGNMENT: usize = 8;
+
+/// The number of words of a grid, rounded up to where the next one begins.
+fn size_of(grid: &TrimGrid) -> usize {
+    grid.words().len().next_multiple_of(ALIGNMENT)
+}
+
+/// The exact method's grids of all surfaces in one buffer, in the form that the shaders read. Only grids that changed
+/// are uploaded.
+#[derive(Debug, Default)]
+pub(super) struct TrimWords {
+    buffer: Option<TexelBuffer>,
+    /// The number of words that the buffer has room for.
+    room: usize,
+    /// The number of words from the beginning that are used, or were.
+    used: usize,
+    /// For each surface.
+    slots: Vec<Slot>,
+}
+
+/// The words of a surface in the buffer.
+#[derive(Debug, Clone, Copy, Default)]
+struct Slot {
+    /// That of the trims.
+    number: Option<u64>,
+    first: usize,
+    size: usize,
+}
+
+impl TrimWords {
+    /// Uploads the trims that changed.
+    ///
+    /// # Errors
+    /// More trims than the driver has memory for, or than the shaders can address.
+    pub(super) fn update(&mut self, gl: &Gl, surfaces: &[PreparedSurface]) -> Result<()> {
+        self.slots.resize(surfaces.len(), Slot::default());
+        for (number, surface) in surfaces.iter().enumerate() {
+            let Some(exact) = &surface.uploaded_trims().exact else { continue };
+            let slot = &mut self.slots[number];
+            if slot.number == Some(exact.number) {
+                continue;
+            }
+            let size = exact.size();
+            if size > slot.size {
+                if self.used + size > self.room {
+                    return self.upload_all(gl, surfaces);
+                }
+                *slot = Slot { first: self.used, size, ..*slot };
+                self.used += size;
+            }
+            slot.number = Some(exact.number);
+            if let Some(buffer) = &self.buffer {
+                for (first, grid) in grids_from(slot.first, exact) {
+                    buffer.buffer().write(first, grid.words());
+                }
+            }
         }
+        Ok(())
     }
 
-    /// The parts of the trim code that the shaders need.
-    pub(crate) const fn features(&self) -> TrimFeatures {
-        self.features
+    /// Makes the buffer again, with some room for trims that grow.
+    fn upload_all(&mut self, gl: &Gl, surfaces: &[PreparedSurface]) -> Result<()> {
+        /// The places that [`place`] can name.
+        const MOST: usize = ALIGNMENT << 24;
+        self.buffer = None;
+        self.used = 0;
+        for (slot, surface) in self.slots.iter_mut().zip(surfaces) {
+            let exact = surface.uploaded_trims().exact.as_ref();
+            let size = exact.map_or(0, ExactTrims::size);
+            *slot = Slot { number: exact.map(|exact| exact.number), first: self.used, size };
+            self.used += size;
+        }
+        if self.used > MOST {
+            return Err(Error::Driver {
+                what: "trim grids".to_owned(),
+                reason: format!("{} words of all surfaces; at most {MOST} fit", self.used),
+            });
+        }
+        self.room = (self.used + self.used / 8).next_multiple_of(ALIGNMENT);
+        let mut words = vec![0; self.room];
+        for (slot, surface) in self.slots.iter().zip(surfaces) {
+            let exact = surface.uploaded_trims().exact.as_ref();
+            for (first, grid) in exact.into_iter().flat_map(|exact| grids_from(slot.first, exact)) {
+                words[first..][..grid.words().len()].copy_from_slice(grid.words());
+            }
+        }
+        self.buffer = Some(TexelBuffer::of_words(gl, "trim grids", &words)?);
+        Ok(())
     }
 
-    /// The sub-patches for a tolerance, if the trims cut anything; and those of the fixed level
-    /// that was requested last, if there was one.
-    pub(crate) fn sub_patches(&mut self) -> (Option<&mut TrimSplits>, Option<&FixedSplit>) {
-        // Without any curves and shapes the answer is the same everywhere: `Keep::Inside` cuts it
-        // all.
-        let cuts = self.features.any() || self.grid.cut(Vec2::splat(0.5));
-        (
-            cuts.then_some(&mut self.sub_patches),
-            self.fixed.as_ref().map(|(_, sub_patches)| sub_patches),
-        )
+    /// The grids of a surface, in the order of their indices: where the shaders find each
+    /// ([`crate::tessellation::TrimmedList::place`]), and the parts of the trim code that it needs.
+    pub(super) fn places<'a>(
+        &self,
+        number: usize,
+        trims: &'a ExactTrims,
+    ) -> impl Iterator<Item = (u32, TrimFeatures)> + use<'a> {
+        grids_from(self.slots[number].first, trims)
+            .map(|(first, grid)| (place(first, grid), features(grid)))
     }
 
-    /// Binds the grid for the shaders' trim code.
-    pub(crate) fn bind(&self) {
-        if let Some(words) = &self.words {
+    /// Binds the grids for the shaders' trim code.
+    pub(super) fn bind(&self) {
+        if let Some(words) = &self.buffer {
             words.bind(TRIM_WORDS_UNIT);
         }
     }
+}
+
+/// The grids of a surface, and the index of the first word of each, if those of the surface begin at `first`.
+fn grids_from(first: usize, trims: &ExactTrims) -> impl Iterator<Item = (usize, &TrimGrid)> {
+    trims.surface.grids().scan(first, |next, grid| {
+        let first = *next;
+        *next += size_of(grid);
+        Some((first, grid))
+    })
+}
+
+fn place(first: usize, grid: &TrimGrid) -> u32 {
+    let columns = grid.loop_columns().map_or(0, |columns| columns.get().trailing_zeros());
+    (first / ALIGNMENT) as u32 | columns << 24
 }

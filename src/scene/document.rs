@@ -21,7 +21,7 @@ use super::{
     Surface, TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture,
     obj,
 };
-use crate::bezier::{Degree, MAX_COORDINATE, check_coordinates};
+use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
 use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
@@ -225,11 +225,15 @@ impl Builder<'_> {
             let error = Error::invalid("degree", "without control points", "control_points");
             return Err(self.at(degree.span().start, error));
         }
+        if let (Some(knots), None) = (&table.knots, &table.degree) {
+            let error = Error::invalid("knots", "without a degree", "degree = [u, v]");
+            return Err(self.at(knots.span().start, error));
+        }
         let degree = table.degree.map(|degree| self.check(degree, |[u, v]| Degree::new(u, v)));
         let degree = degree.transpose()?;
         let mut surfaces = match (table.control_points, table.file) {
             (Some(points), None) => {
-                vec![self.check(points, |points| surface_of_points(points, degree))?]
+                vec![self.check(points, |points| surface_of_points(points, degree, table.knots))?]
             }
             (None, Some(file)) => {
                 let path = self.beside_scene(file.get_ref());
@@ -264,7 +268,8 @@ impl Builder<'_> {
                 CullName::Back => Cull::Back,
             };
         }
-        let PlacedTrims { trims, places } = self.trims(table.trim, table.keep, start)?;
+        let PlacedTrims { trims, places } =
+            self.trims(table.trim, table.keep, &surfaces[0], start)?;
         if trims.keep == Keep::Inside && !trims.has_loops() {
             let borderless =
                 Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
@@ -413,15 +418,22 @@ fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {
     Camera::new(table.eye.into(), table.target.into(), table.up.into(), lens)
 }
 
-/// A patch of a degree, or if none is given, of 4×4 or 5×5 points.
-fn surface_of_points(points: ControlPoints, degree: Option<Degree>) -> Result<Surface> {
+/// A NURBS surface; or without knots, a patch of a degree; or without a degree, of 4×4 or 5×5 points.
+fn surface_of_points(
+    points: ControlPoints,
+    degree: Option<Degree>,
+    knots: Option<Spanned<[Vec<f64>; 2]>>,
+) -> Result<Surface> {
     let points = match points {
         ControlPoints::Default => default_control_points(),
         ControlPoints::Points(points) => points,
     };
-    match degree {
-        Some(degree) => Surface::of_patch(degree, points),
-        None => Surface::new(Degree::from_point_count(points.len())?, points),
+    match (degree, knots) {
+        (Some(degree), Some(knots)) => {
+            NurbsSurface::new(degree, knots.into_inner(), points).map(Surface::from_nurbs)
+        }
+        (Some(degree), None) => Surface::of_patch(degree, points),
+        (None, _) => Surface::new(Degree::from_point_count(points.len())?, points),
     }
 }
 

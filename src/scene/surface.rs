@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::Image;
-use crate::bezier::{Degree, Patch, check_control_point, check_coordinates};
+use crate::bezier::{
+    Degree, NurbsSurface, Patch, PatchGrid, SurfacePoint, check_control_point, check_coordinates,
+};
 use crate::error::{Error, Result};
-use crate::trim::Trims;
+use crate::trim::{ParameterSizes, Trims};
 
 /// How a surface is lit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -47,12 +49,14 @@ pub enum Cull {
     Back,
 }
 
-/// One or more patches of one degree that share transform, paint and trims. Every patch has its own
-/// domain [0, 1]², so every patch is painted and trimmed alike.
+/// Patches of one degree that share transform, paint and trims: either a NURBS surface, whose patches divide its
+/// domain, or Bézier patches. Of these, every patch has its own domain [0, 1]², so every patch is painted and trimmed
+/// alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     degree: Degree,
-    control_points: Arc<Vec<DVec4>>,
+    patch_points: Arc<Vec<DVec4>>,
+    nurbs: Option<Arc<Nurbs>>,
     /// Model space to world space.
     pub transform: DMat4,
     /// Colour before lighting.
@@ -63,6 +67,13 @@ pub struct Surface {
     pub trims: Trims,
     /// Which patches are left out because of their orientation.
     pub cull: Cull,
+}
+
+/// A NURBS surface and the grid of its patches.
+#[derive(Debug, Clone, PartialEq)]
+struct Nurbs {
+    surface: NurbsSurface,
+    grid: PatchGrid,
 }
 
 impl Surface {
@@ -82,15 +93,27 @@ impl Surface {
         for (index, point) in control_points.iter().enumerate() {
             check_control_point(*point, index)?;
         }
-        Ok(Self {
+        Ok(Self::with_patches(degree, control_points, None))
+    }
+
+    fn with_patches(degree: Degree, patch_points: Vec<DVec4>, nurbs: Option<Arc<Nurbs>>) -> Self {
+        Self {
             degree,
-            control_points: Arc::new(control_points),
+            patch_points: Arc::new(patch_points),
+            nurbs,
             transform: DMat4::IDENTITY,
             paint: Paint::default(),
             shading: Shading::default(),
             trims: Trims::default(),
             cull: Cull::default(),
-        })
+        }
+    }
+
+    /// A NURBS surface. Its trims and the picture over its domain are in its own parameters.
+    #[must_use]
+    pub fn from_nurbs(surface: NurbsSurface) -> Self {
+        let (grid, points) = surface.patches();
+        Self::with_patches(surface.degree(), points, Some(Arc::new(Nurbs { surface, grid })))
     }
 
     /// One patch.
@@ -115,19 +138,53 @@ impl Surface {
         self.degree
     }
 
-    /// The control points of all patches.
+    /// The NURBS surface, if it is one.
     #[must_use]
-    pub fn control_points(&self) -> &[DVec4] {
-        &self.control_points
+    pub fn nurbs(&self) -> Option<&NurbsSurface> {
+        self.nurbs.as_deref().map(|nurbs| &nurbs.surface)
     }
 
-    /// Moves one control point; `index` counts through all patches.
+    /// How the patches of a NURBS surface divide its domain.
+    pub(crate) fn patch_grid(&self) -> Option<&PatchGrid> {
+        self.nurbs.as_deref().map(|nurbs| &nurbs.grid)
+    }
+
+    /// The control points as they were given: those of the NURBS surface, or those of all patches.
+    #[must_use]
+    pub fn control_points(&self) -> &[DVec4] {
+        self.nurbs().map_or(&self.patch_points, |nurbs| nurbs.control_points())
+    }
+
+    /// The control points of all Bézier patches, patch after patch.
+    #[must_use]
+    pub fn patch_points(&self) -> &[DVec4] {
+        &self.patch_points
+    }
+
+    /// The same, to be kept.
+    pub(crate) fn shared_patch_points(&self) -> Arc<Vec<DVec4>> {
+        Arc::clone(&self.patch_points)
+    }
+
+    /// Refuses surfaces that the thesis' method does not draw.
+    ///
+    /// # Errors
+    /// NURBS surfaces, and as [`Degree::check_for_thesis`].
+    pub(crate) fn check_for_thesis(&self) -> Result<()> {
+        if self.nurbs.is_some() {
+            let expected = "Bézier patches with the thesis' method";
+            return Err(Error::invalid("surface", "a NURBS surface", expected));
+        }
+        self.degree.check_for_thesis()
+    }
+
+    /// Moves one control point; `index` counts through [`Surface::control_points`].
     ///
     /// # Errors
     /// An index out of range, a point that is not finite, a weight that is not above 0. The surface
     /// stays as it was.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
-        let count = self.control_points.len();
+        let count = self.control_points().len();
         if index >= count {
             return Err(Error::invalid(
                 "index of a control point",
@@ -136,26 +193,75 @@ impl Surface {
             ));
         }
         check_control_point(point, index)?;
-        self.points_mut()[index] = point;
+        match &mut self.nurbs {
+            None => Arc::make_mut(&mut self.patch_points)[index] = point,
+            Some(nurbs) => {
+                let nurbs = Arc::make_mut(nurbs);
+                nurbs.surface.points_mut()[index] = point;
+                let (grid, points) = nurbs.surface.patches();
+                nurbs.grid = grid;
+                self.patch_points = Arc::new(points);
+            }
+        }
         Ok(())
-    }
-
-    /// The control points, for changes that keep them valid.
-    pub(super) fn points_mut(&mut self) -> &mut [DVec4] {
-        Arc::make_mut(&mut self.control_points).as_mut_slice()
     }
 
     /// The patches in order.
     pub fn patches(&self) -> impl ExactSizeIterator<Item = Patch<'_>> + '_ {
-        self.control_points
+        self.patch_points
             .chunks_exact(self.degree.points())
             .map(|points| Patch::new(self.degree, points))
+    }
+
+    /// The first and the last parameters (u, v) of the surface: [0, 1]² for Bézier patches.
+    #[must_use]
+    pub fn domain(&self) -> [DVec2; 2] {
+        self.nurbs().map_or([DVec2::ZERO, DVec2::ONE], NurbsSurface::domain)
+    }
+
+    /// The sizes to which tolerances of its trims are relative.
+    #[must_use]
+    pub fn parameter_sizes(&self) -> ParameterSizes {
+        let Some(grid) = self.patch_grid() else { return ParameterSizes::default() };
+        let smallest = |spans: &[[f64; 2]]| {
+            spans.iter().map(|[first, last]| last - first).fold(f64::INFINITY, f64::min)
+        };
+        let [low, high] = self.domain();
+        let patch = DVec2::new(smallest(&grid.columns), smallest(&grid.rows));
+        ParameterSizes { domain: high - low, patch }
+    }
+
+    /// The first and the last parameters (u, v) of a patch.
+    ///
+    /// # Panics
+    /// If there is no such patch.
+    #[must_use]
+    pub fn patch_domain(&self, patch: usize) -> [DVec2; 2] {
+        self.patch_grid().map_or([DVec2::ZERO, DVec2::ONE], |grid| grid.domain_of(patch))
+    }
+
+    /// Value and derivatives of a patch where u and v run from 0 to 1 within it. A NURBS surface is evaluated on its
+    /// own knots, whatever its patches are.
+    ///
+    /// # Panics
+    /// If there is no such patch.
+    #[must_use]
+    pub fn at(&self, patch: usize, u: f64, v: f64) -> SurfacePoint {
+        let Some(nurbs) = self.nurbs() else {
+            let count = self.degree.points();
+            let points = &self.patch_points[patch * count..][..count];
+            return Patch::new(self.degree, points).at(u, v);
+        };
+        let [low, high] = self.patch_domain(patch);
+        let size = high - low;
+        let point = nurbs.at_in([low, high], DVec2::new(u, v));
+        SurfacePoint { du: point.du * size.x, dv: point.dv * size.y, ..point }
     }
 
     /// Points of the surface in world space, `side` × `side` of each patch.
     pub(super) fn samples(&self, side: usize) -> impl Iterator<Item = DVec3> + Clone + '_ {
         let at = move |i: usize| i as f64 / (side - 1) as f64;
-        self.control_points
+        self.patch_points
             .chunks_exact(self.degree.points())
             .flat_map(move |points| (0..side * side).map(move |i| (points, i)))
             .map(move |(points, i)| {
@@ -165,9 +271,9 @@ impl Surface {
             })
     }
 
-    /// Control points in world space, without their weights. The surface lies in their convex hull.
+    /// [`Surface::control_points`] in world space, without their weights. The surface lies in their convex hull.
     pub fn world_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
-        self.control_points.iter().map(|point| self.transform.transform_point3(point.truncate()))
+        self.control_points().iter().map(|point| self.transform.transform_point3(point.truncate()))
     }
 }
 

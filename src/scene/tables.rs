@@ -64,6 +64,7 @@ pub(super) struct NewtonTable {
 #[serde(deny_unknown_fields)]
 pub(super) struct SurfaceTable {
     pub(super) degree: Option<Spanned<[usize; 2]>>,
+    pub(super) knots: Option<Spanned<[Vec<f64>; 2]>>,
     pub(super) control_points: Option<Spanned<ControlPoints>>,
     pub(super) file: Option<Spanned<String>>,
     pub(super) texture: Option<Spanned<String>>,

@@ -150,13 +150,18 @@ impl Writer<'_> {
         let start = self.out.text.len();
         self.header("[[surface]]");
         let points = surface.control_points();
-        if points == default_control_points() {
+        if let Some(nurbs) = surface.nurbs() {
+            let [u, v] = nurbs.knots();
+            self.line("knots", format_args!("[{}, {}]", numbers(u), numbers(v)));
+        }
+        if points == default_control_points() && surface.nurbs().is_none() {
             self.line("control_points", "\"default\"");
-        } else if points.len() == surface.degree().points() {
+        } else if points.len() == surface.degree().points() || surface.nurbs().is_some() {
             let rows: Vec<String> =
                 points.iter().map(|point| format!("    {},\n", control_point(*point))).collect();
             let degree = surface.degree();
-            if Degree::from_point_count(points.len()).ok() != Some(degree) {
+            let is_plain = Degree::from_point_count(points.len()).ok() == Some(degree);
+            if !is_plain || surface.nurbs().is_some() {
                 self.line("degree", format_args!("[{}, {}]", degree.u(), degree.v()));
             }
             self.line("control_points", format_args!("[\n{}]", rows.concat()));

@@ -3,10 +3,13 @@
 
 use glam::DVec4;
 
-use crate::bezier::Degree;
+use crate::bezier::{Degree, PatchGrid};
 
 /// The sides of a patch in the order of `gl_TessLevelOuter`: u = 0, v = 0, u = 1, v = 1.
 pub(crate) const SIDES: usize = 4;
+
+/// An edge that has no number yet.
+const UNKNOWN: u32 = u32::MAX;
 
 /// For each patch, the indices of its four edges.
 #[derive(Debug, Default)]
@@ -23,6 +26,8 @@ pub(crate) struct EdgeSource<'a> {
     pub(crate) points: &'a [DVec4],
     /// Surfaces of different groups share no edges.
     pub(crate) group: u32,
+    /// For a NURBS surface: which of its patches are neighbours.
+    pub(crate) grid: Option<&'a PatchGrid>,
 }
 
 /// One side of a patch, in a form that can be sorted so that equal sides are adjacent.
@@ -38,17 +43,28 @@ struct Side {
 impl EdgeTable {
     /// Finds the neighbours among the patches of all sources. Patches are indexed consecutively over all sources.
     pub(crate) fn new(sources: &[EdgeSource<'_>]) -> Self {
+        let count = |source: &EdgeSource<'_>| source.points.len() / source.degree.points();
+        let patches = sources.iter().map(count).sum();
+        let mut table = Self { edges: vec![[UNKNOWN; SIDES]; patches], count: 0 };
         let mut sides = Vec::new();
-        let mut patches = 0;
+        let mut first = 0;
         for (number, source) in (0..).zip(sources) {
+            if let Some(grid) = source.grid {
+                table.number_within(grid, first);
+            }
+            // Other surfaces may touch this one along edges within it, too.
+            let only_borders = sources.len() == 1;
             for (patch, points) in (0..).zip(source.points.chunks_exact(source.degree.points())) {
                 for side in 0..SIDES {
+                    let place = ((first + patch as usize) * SIDES + side) as u32;
+                    if only_borders && table.number(place) != UNKNOWN {
+                        continue;
+                    }
                     let hash = hash(source.group, edge(source.degree, points, side));
-                    let place = (patches * SIDES + side) as u32;
                     sides.push(Side { hash, source: number, patch, place });
                 }
-                patches += 1;
             }
+            first += count(source);
         }
         sides.sort_unstable_by_key(|side| (side.hash, side.place));
         let points_of = |side: &Side| {
@@ -57,7 +73,8 @@ impl EdgeTable {
             let points = &source.points[side.patch as usize * all..][..all];
             (source.group, edge(source.degree, points, side.place as usize % SIDES))
         };
-        let mut table = Self { edges: vec![[0; SIDES]; patches], count: 0 };
+        // For each number, the number that replaces it.
+        let mut replaced: Vec<u32> = (0..table.count as u32).collect();
         for same_hash in sides.chunk_by(|a, b| a.hash == b.hash) {
             // Apart from collisions, all sides with one hash belong to one edge.
             for (i, side) in same_hash.iter().enumerate() {
@@ -66,37 +83,67 @@ impl EdgeTable {
                     let (other_group, others) = points_of(other);
                     group == other_group && points.clone().eq(others)
                 });
-                let number = match known {
-                    Some(other) => table.number(other.place),
-                    None => {
+                let known = known.map(|other| replaced[table.number(other.place) as usize]);
+                match (table.number(side.place), known) {
+                    (UNKNOWN, Some(number)) => *table.number_mut(side.place) = number,
+                    (UNKNOWN, None) => {
+                        replaced.push(table.count as u32);
+                        *table.number_mut(side.place) = table.count as u32;
                         table.count += 1;
-                        table.count as u32 - 1
                     }
-                };
-                table.edges[side.place as usize / SIDES][side.place as usize % SIDES] = number;
+                    (own, Some(number)) => replaced[own as usize] = number,
+                    (_, None) => {}
+                }
             }
         }
-        table.renumber();
+        table.renumber(&replaced);
         table
     }
 
+    /// Numbers the edges between the patches of a NURBS surface, whose first patch has the index `first`.
+    fn number_within(&mut self, grid: &PatchGrid, first: usize) {
+        let (columns, rows) = (grid.columns.len(), grid.rows.len());
+        for row in 0..rows {
+            for column in 0..columns {
+                let patch = first + row * columns + column;
+                let right = first + row * columns + (column + 1) % columns;
+                let above = first + (row + 1) % rows * columns + column;
+                for (continues, side, neighbour, beside) in [
+                    (grid.column_continues[column], 2, right, 0),
+                    (grid.row_continues[row], 3, above, 1),
+                ] {
+                    if continues {
+                        self.edges[patch][side] = self.count as u32;
+                        self.edges[neighbour][beside] = self.count as u32;
+                        self.count += 1;
+                    }
+                }
+            }
+        }
+    }
+
     /// Renumbers the edges in the order in which the patches first use them, so that iterating over the patches reads
-    /// the edges' memory in order.
-    fn renumber(&mut self) {
-        let mut numbers = vec![u32::MAX; self.count];
+    /// the edges' memory in order. Numbers that are replaced by others are dropped.
+    fn renumber(&mut self, replaced: &[u32]) {
+        let mut numbers = vec![UNKNOWN; self.count];
         let mut next = 0;
         for edge in self.edges.as_flattened_mut() {
-            let number = &mut numbers[*edge as usize];
-            if *number == u32::MAX {
+            let number = &mut numbers[replaced[*edge as usize] as usize];
+            if *number == UNKNOWN {
                 *number = next;
                 next += 1;
             }
             *edge = *number;
         }
+        self.count = next as usize;
     }
 
     fn number(&self, place: u32) -> u32 {
         self.edges[place as usize / SIDES][place as usize % SIDES]
+    }
+
+    fn number_mut(&mut self, place: u32) -> &mut u32 {
+        &mut self.edges[place as usize / SIDES][place as usize % SIDES]
     }
 
     /// For each source, the first source that it is connected to through shared edges.
@@ -203,7 +250,7 @@ mod tests {
             for turn in 0..8 {
                 let mut points = patch(degree, 0.0, 0.0, 0);
                 points.extend(patch(degree, 1.0, 0.0, turn));
-                let table = EdgeTable::new(&[EdgeSource { degree, points: &points, group: 0 }]);
+                let table = EdgeTable::new(&[EdgeSource { degree, points: &points, group: 0, grid: None }]);
                 assert_eq!(table.count(), 7, "{turn}");
                 assert!(table.of(1).contains(&table.of(0)[2]), "{turn}");
             }
@@ -214,7 +261,8 @@ mod tests {
     fn groups_and_other_weights_keep_edges_apart() {
         let (a, mut b) = (patch(Degree::CUBIC, 0.0, 0.0, 0), patch(Degree::CUBIC, 1.0, 0.0, 0));
         let count = |a: &[DVec4], b: &[DVec4], group: u32| {
-            let source = |points, group| EdgeSource { degree: Degree::CUBIC, points, group };
+            let source =
+                |points, group| EdgeSource { degree: Degree::CUBIC, points, group, grid: None };
             EdgeTable::new(&[source(a, 0), source(b, group)]).count()
         };
         assert_eq!((count(&a, &b, 0), count(&a, &b, 1)), (7, 8));

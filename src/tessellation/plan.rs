@@ -29,7 +29,8 @@ use super::bound::{
 use super::edges::{EdgeTable, SIDES};
 use super::normal_cone::{Eye, NormalCone, PatchKind};
 use super::square_nets::with_side;
-use super::sub_patches::{Cut, FixedSplit, Tessellated, TrimSplits};
+use super::sub_patches::{Cut, Tessellated, TrimSplits};
+use super::surface_trims::{PatchCut, SurfaceTrims};
 use crate::bezier::Degree;
 use crate::scene::TessLevel;
 use splitting::Leaf;
@@ -55,8 +56,8 @@ pub(crate) struct SubPatch {
     pub(crate) cells: u32,
     /// Number of the patch's sub-patches along u (from bit 0) and v (from bit 16).
     pub(crate) sub_patches: u32,
-    /// Unused; pads the struct to 32 bytes, which are faster to read.
-    pub(crate) padding: u32,
+    /// Where its trims are, if they may cut it; see [`TrimmedList::place`].
+    pub(crate) trims: u32,
 }
 
 impl Tessellated for SubPatch {
@@ -72,12 +73,22 @@ impl Tessellated for SubPatch {
 
 /// The indices of the lists that a surface's sub-patches go to. The sub-patches of a list share one
 /// program and one set of textures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Lists {
     /// For sub-patches that the trims keep completely, by [`PatchKind`].
     pub(crate) kept: [u32; PatchKind::ALL.len()],
-    /// For sub-patches that a trim may cut, by [`PatchKind`].
-    pub(crate) trimmed: [u32; PatchKind::ALL.len()],
+    /// For sub-patches that a trim may cut, for each grid of the surface's trims.
+    pub(crate) trimmed: Vec<TrimmedList>,
+}
+
+/// The lists for the sub-patches that one grid of trims may cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct TrimmedList {
+    /// By [`PatchKind`].
+    pub(crate) lists: [u32; PatchKind::ALL.len()],
+    /// What the shaders need to find the grid: from bit 0, the index of its first word in the buffer of all grids,
+    /// divided by 8; from bit 24, the number of columns of its loops' cells as a power of two.
+    pub(crate) place: u32,
 }
 
 /// The properties of a surface that planning needs.
@@ -94,13 +105,12 @@ pub(crate) struct SurfacePatches<'a> {
     /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the surface's
     /// matrix mirrors, otherwise 1.
     pub(crate) back: Option<(Eye, f64)>,
-    pub(crate) trims: Option<&'a mut TrimSplits>,
-    /// The sub-patches of each patch at the frame's fixed level. Only needed if the frame has one.
-    pub(crate) fixed: Option<&'a FixedSplit>,
+    /// The level is fixed if the frame has one.
+    pub(crate) trims: &'a mut SurfaceTrims,
     pub(crate) first_point: u32,
     pub(crate) first_patch: u32,
     pub(crate) number: u32,
-    pub(crate) lists: Lists,
+    pub(crate) lists: &'a Lists,
 }
 
 impl SurfacePatches<'_> {
@@ -284,8 +294,6 @@ impl Plan {
         screen: &Screen,
         level: TessLevel,
     ) {
-        let fixed = surface.fixed.expect("a frame at a level has parts for it");
-        let sides = [fixed.split.side; 2];
         let level = f64::from(level.get());
         let count = surface.cones.len();
         let needs = (0..count)
@@ -299,14 +307,15 @@ impl Plan {
                 continue;
             };
             raise(&mut self.stats.largest_bound, need.bound.error([level; 2], screen));
-            let kind = surface.cones[patch].kind() as usize;
-            for (list, places) in [
-                (surface.lists.kept[kind], &fixed.kept),
-                (surface.lists.trimmed[kind], &fixed.trimmed),
-            ] {
+            let Some(fixed) = surface.trims.fixed(patch) else {
+                self.stats.culled += 1;
+                continue;
+            };
+            let sides = [fixed.split.side; 2];
+            for (is_trimmed, places) in [(false, &fixed.kept), (true, &fixed.trimmed)] {
                 for place in places {
                     let edges = [fixed.split.level; SIDES];
-                    self.push(surface, patch, list, &Grid { sides, place: *place, edges });
+                    self.push(surface, patch, is_trimmed, &Grid { sides, place: *place, edges });
                 }
             }
             self.stats.culled += usize::from(fixed.kept.is_empty() && fixed.trimmed.is_empty());
@@ -349,8 +358,14 @@ impl Plan {
                 let state = need.map_or_else(State::default, |need| {
                     self.decide(&need, screen, &surface.rounding, || surface.net::<N>(patch))
                 });
-                let state = self.without_cut_sub_patches(state, surface.trims.as_deref_mut());
-                let state = state.unwrap_or_default();
+                let state = match surface.trims.of(patch) {
+                    PatchCut::Kept => state,
+                    PatchCut::Gone => State::default(),
+                    PatchCut::Grid(grid) => {
+                        let splits = surface.trims.splits(grid);
+                        self.without_cut_sub_patches(state, splits).unwrap_or_default()
+                    }
+                };
                 self.stats.patches += 1;
                 self.stats.culled += usize::from(!state.drawn);
                 if state.drawn {
@@ -373,10 +388,9 @@ impl Plan {
     /// trims cut a patch in part and it is large enough on the screen, it is split further first.
     fn without_cut_sub_patches(
         &mut self,
-        state: State,
-        trims: Option<&mut TrimSplits>,
+        mut state: State,
+        trims: &mut TrimSplits,
     ) -> Option<State> {
-        let (mut state, Some(trims)) = (state, trims) else { return Some(state) };
         if !state.drawn {
             return None;
         }
@@ -466,22 +480,19 @@ impl Plan {
         for (side, edge) in table.of(number).into_iter().enumerate() {
             borders[side] = self.edges[edge].rounded() >> state.depth[axis_of(side)];
         }
-        let kind = surface.cones[patch].kind() as usize;
-        let list_of = |cut: Option<Cut>| {
-            let is_trimmed = cut.is_some_and(Cut::is_trimmed);
-            let lists = if is_trimmed { surface.lists.trimmed } else { surface.lists.kept };
-            lists[kind]
+        let grid = match surface.trims.of(patch) {
+            PatchCut::Grid(grid) => Some(grid),
+            PatchCut::Kept | PatchCut::Gone => None,
         };
+        let is_trimmed = |cut: Option<Cut>| cut.is_some_and(Cut::is_trimmed);
         if state.depth == [0; 2] {
             // Nearly all patches are unsplit. Handling them separately reduces the time of planning
             // by a sixth.
-            let cut = surface.trims.as_deref_mut().map(|trims| trims.cuts([0; 2])[0]);
+            let cut = grid.map(|grid| surface.trims.splits(grid).cuts([0; 2])[0]);
             let grid = Grid { sides, place: [0; 2], edges: borders };
-            self.push(surface, patch, list_of(cut), &grid);
+            self.push(surface, patch, is_trimmed(cut), &grid);
             return;
         }
-        let mut trims = surface.trims.take();
-        let cuts = trims.as_deref_mut().map(|trims| trims.cuts(state.depth));
         let last = sides.map(|sub_patches| sub_patches as usize - 1);
         for row in 0..=last[1] {
             for column in 0..=last[0] {
@@ -500,18 +511,28 @@ impl Plan {
                     with((column < last[0]).then_some([column + 1, row]), borders[2], 1),
                     with((row < last[1]).then_some([column, row + 1]), borders[3], 0),
                 ];
-                let list = list_of(cuts.map(|cuts| cuts[(row << state.depth[0]) + column]));
+                let cut = grid.map(|grid| {
+                    let cuts = surface.trims.splits(grid).cuts(state.depth);
+                    cuts[(row << state.depth[0]) + column]
+                });
                 let place = [column as u32, row as u32];
-                self.push(surface, patch, list, &Grid { sides, place, edges });
+                self.push(surface, patch, is_trimmed(cut), &Grid { sides, place, edges });
             }
         }
-        surface.trims = trims;
     }
 
-    /// Appends a sub-patch to a list.
+    /// Appends a sub-patch to its list.
     #[inline]
-    fn push(&mut self, surface: &SurfacePatches<'_>, patch: usize, list: u32, grid: &Grid) {
+    fn push(&mut self, surface: &SurfacePatches<'_>, patch: usize, is_trimmed: bool, grid: &Grid) {
         let Grid { sides, place, edges } = grid;
+        let (lists, trims) = match surface.trims.of(patch) {
+            PatchCut::Grid(grid) if is_trimmed => {
+                let trimmed = &surface.lists.trimmed[grid as usize];
+                (&trimmed.lists, trimmed.place)
+            }
+            _ => (&surface.lists.kept, 0),
+        };
+        let list = lists[surface.cones[patch].kind() as usize];
         let mut cells = [edges[1].max(edges[3]), edges[0].max(edges[2])];
         if cells != [1, 1] {
             // If any level is above 1, OpenGL replaces inner levels of 1 by 2.
@@ -525,7 +546,7 @@ impl Plan {
             edges: edges[0] | edges[1] << 8 | edges[2] << 16 | edges[3] << 24,
             cells: cells[0] | cells[1] << 8,
             sub_patches: sides[0] | sides[1] << 16,
-            padding: 0,
+            trims,
         };
         self.stats.triangles += sub_patch.triangles();
         self.lists[list as usize].push(sub_patch);

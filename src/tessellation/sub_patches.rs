@@ -126,6 +126,12 @@ impl FixedSplit {
         }
     }
 
+    /// Splits a patch without trims at a level.
+    pub(crate) fn untrimmed(level: TessLevel) -> Self {
+        let split = Split::of(level);
+        Self { split, kept: split.places().collect(), trimmed: Vec::new() }
+    }
+
     fn into(grid: &TrimGrid, split: Split) -> Self {
         let (mut kept, mut trimmed) = (Vec::new(), Vec::new());
         for place in split.places() {
@@ -143,8 +149,7 @@ impl FixedSplit {
     }
 }
 
-/// The results of trimming the sub-patches of a surface's patches, for every subdivision requested so far. All
-/// patches of a surface have the same trims.
+/// The results of trimming the sub-patches of patches with one grid, for every subdivision requested so far.
 #[derive(Debug)]
 pub(crate) struct TrimSplits {
     grid: Arc<TrimGrid>,
@@ -168,6 +173,10 @@ impl TrimSplits {
         let useful = (1..=Self::MAX_DEPTH).rev().find(|depth| share(*depth) < WORTH_IT * whole);
         sub_patches.useful = useful.unwrap_or(0);
         sub_patches
+    }
+
+    pub(crate) fn grid(&self) -> &TrimGrid {
+        &self.grid
     }
 
     /// The best split depth along each side for a patch with the given screen diagonal in pixels. Smaller sub-patches

@@ -2,12 +2,14 @@
 //! tessellator, and all patches have the same level.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
+use std::rc::Rc;
+
 use glow::HasContext;
 
 use crate::error::Result;
 use crate::programs::{Output, Pipeline, ProgramKey, location};
 use crate::renderer::{
-    DrawList, Frame, PreparedSurface, Renderer, in_lines, set_aovs, set_depth, set_lights,
+    DrawList, Frame, PreparedSurface, RED, Renderer, in_lines, set_aovs, set_depth, set_lights,
     set_matrices,
 };
 use crate::scene::{Method, Shading};
@@ -55,20 +57,23 @@ impl Renderer {
         output: Output,
         stats: &mut FrameStats,
     ) -> Result<()> {
+        let in_lines = in_lines(&frame.settings, output);
+        let texture = match surface.texture() {
+            Some(texture) if !in_lines => Rc::clone(texture),
+            _ => self.color_texture(if in_lines { RED } else { surface.color() })?,
+        };
         let Some(trims) = &surface.uploaded_trims().thesis else { return Ok(()) };
         let aov = output == Output::Aovs;
         let pipeline = Pipeline::ported(surface.degree(), surface.shading());
         let settings = &frame.settings;
-        let (shading, _) = self.style(surface.shading(), surface.texture(), settings, output);
+        let shading = if in_lines { Shading::Unlit } else { surface.shading() };
         let key = ProgramKey {
             // The report's shaders do not pass on the position, which AOVs need.
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading,
             trims: trims.features(&surface.surface().trims),
             output,
-            cut_out: output == Output::Picture
-                && !in_lines(settings, output)
-                && surface.texture().has_holes(),
+            cut_out: output == Output::Picture && texture.has_holes(),
             far_depth: frame.camera.depth_scale().is_some(),
         };
         let program = self.program(key)?;
@@ -88,7 +93,7 @@ impl Renderer {
             set_lights(&program, frame);
         }
         trims.set(&surface.surface().trims, &program, &settings.newton);
-        self.style(shading, surface.texture(), settings, output).1.bind(0);
+        texture.bind(0);
         let points = surface.degree().points();
         self.set_state(frame, points, settings.wireframe);
         let at_once = split.patches_per_draw(settings.wireframe);

@@ -85,7 +85,7 @@ impl FreeFormSurface {
         texture: Rc<Texture>,
     ) -> Result<Self> {
         let segments = surface.trims.segment_count();
-        let prepared = PreparedSurface::new(renderer.gl(), surface, texture)?;
+        let prepared = PreparedSurface::new(renderer.gl(), surface, Some(texture))?;
         Ok(Self { prepared, segments, draw_list: DrawList::default() })
     }
 
@@ -101,7 +101,7 @@ impl FreeFormSurface {
             renderer.draw_surfaces(surfaces, &mut self.draw_list, frame, Output::Picture)?;
         // The squares of control points lie on top of everything.
         if frame.settings.control_points {
-            renderer.draw_control_points(&self.prepared, frame)?;
+            renderer.draw_control_points(&mut self.prepared, frame)?;
         }
         Ok(stats)
     }

@@ -8,11 +8,11 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{Segment, TrimLoop, check_finite};
+use super::{ParameterSizes, Segment, TrimLoop, check_finite};
 use crate::bezier::{Degree, bezier_curves, check_knots, composition, product, split_slice};
 use crate::error::{Error, Result};
 
-/// The largest distance between a curve and its segments, in the unit of the domain.
+/// The largest distance between a curve and its segments, if the smallest patch has a size of 1 to 2.
 const TOLERANCE: f64 = 1e-8;
 /// Weights of a curve lie within this factor of 1.
 const MAX_WEIGHT: f64 = 1e9;
@@ -50,36 +50,51 @@ impl TrimCurve {
     pub fn nurbs(degree: usize, knots: &[f64], points: &[DVec3]) -> Result<Self> {
         check_knots(degree, knots, points.len())?;
         let points = homogeneous(points)?;
-        let curves = bezier_curves(degree, knots, &points, |a, b, t| a * (1.0 - t) + b * t);
         // Their weights are blends of the given ones.
-        Ok(Self { pieces: curves.into_iter().map(|(_, points)| points).collect() })
+        Ok(Self { pieces: bezier_curves(degree, knots, &points) })
     }
 
-    /// Lines, quadratics and cubics: the curve itself, or within 1e-8 of it.
-    fn segments(&self, segments: &mut Vec<Segment>) {
+    /// Lines, quadratics and cubics: the curve itself, or within 1e-8 units of it.
+    fn segments(&self, unit: DVec2, segments: &mut Vec<Segment>) {
         for piece in &self.pieces {
             let same_weight = piece.iter().all(|point| point.z == piece[0].z);
             let places: Vec<DVec2> = piece.iter().map(|point| place(*point)).collect();
             match Segment::new(&places) {
                 Ok(segment) if same_weight => segments.push(segment),
-                _ => approximate(piece, 0, segments),
+                _ => {
+                    let scaled = |point: &DVec3| (point.truncate() / unit).extend(point.z);
+                    let piece: Vec<DVec3> = piece.iter().map(scaled).collect();
+                    let first = segments.len();
+                    approximate(&piece, 0, segments);
+                    for segment in &mut segments[first..] {
+                        *segment = segment.map(|place| place * unit);
+                    }
+                }
             }
         }
     }
 }
 
 impl TrimLoop {
-    /// A closed chain of curves. Their segments are at most 1e-8 of the domain away from them, and those that are lines,
-    /// quadratics and cubics without weights stay exact. Gaps below 1e-6 are closed.
+    /// A closed chain of curves in the domain [0, 1]². Their segments are at most 1e-8 away from them, and those that are
+    /// lines, quadratics and cubics without weights stay exact. Gaps below 1e-6 are closed.
     ///
     /// # Errors
     /// As [`TrimLoop::new`]; it numbers the segments, of which a curve may have several.
     pub fn from_curves(curves: &[TrimCurve]) -> Result<Self> {
+        Self::from_curves_over(curves, &ParameterSizes::default())
+    }
+
+    /// The same for a surface with any parameters. Distances are relative to its smallest patch, and gaps to its domain.
+    ///
+    /// # Errors
+    /// As [`TrimLoop::from_curves`].
+    pub fn from_curves_over(curves: &[TrimCurve], sizes: &ParameterSizes) -> Result<Self> {
         let mut segments = Vec::new();
         for curve in curves {
-            curve.segments(&mut segments);
+            curve.segments(sizes.unit(), &mut segments);
         }
-        Self::new(segments)
+        Self::closed(segments, sizes.domain)
     }
 }
 
@@ -287,7 +302,7 @@ mod tests {
 
     fn segments_of(curve: &TrimCurve) -> Vec<Segment> {
         let mut segments = Vec::new();
-        curve.segments(&mut segments);
+        curve.segments(DVec2::ONE, &mut segments);
         segments
     }
 

@@ -30,6 +30,7 @@ pub struct TrimGrid {
     /// Whether everything is cut; used if the loops have no cells.
     all_cut: bool,
     pieces: Range<usize>,
+    has_finer_cells: bool,
     has_long_lists: bool,
     has_rules: bool,
 }
@@ -71,9 +72,13 @@ impl TrimGrid {
             words[1] = shapes.cells as u32;
         }
         let pieces = grid.as_ref().map_or(0..0, |grid| grid.pieces.clone());
+        let has_finer_cells = loops.is_some_and(|loops| {
+            let cells = &words[loops.cells..][..loops.uniform_grid.count()];
+            cells.iter().any(|cell| cell & 7 == FINER)
+        });
         let has_long_lists = grid.as_ref().is_some_and(|grid| grid.longest > LONG_LIST);
         let has_rules = grid.is_some_and(|grid| grid.has_rules);
-        Self { words, loops, shapes, all_cut, pieces, has_long_lists, has_rules }
+        Self { words, loops, shapes, all_cut, pieces, has_finer_cells, has_long_lists, has_rules }
     }
 
     /// Whether `uv` is cut, in the arithmetic of the shaders.
@@ -119,6 +124,11 @@ impl TrimGrid {
         found
     }
 
+    /// Whether the answer depends on the sample.
+    pub(crate) const fn decides(&self) -> bool {
+        self.loops.is_some() || self.shapes.is_some()
+    }
+
     /// Whether a list is so long that the shader must walk it in several passes.
     pub(crate) const fn has_long_lists(&self) -> bool {
         self.has_long_lists
@@ -130,11 +140,8 @@ impl TrimGrid {
     }
 
     /// Whether any cell has a finer uniform grid of its own.
-    pub(crate) fn has_finer_cells(&self) -> bool {
-        self.loops.is_some_and(|loops| {
-            let cells = &self.words[loops.cells..][..loops.uniform_grid.count()];
-            cells.iter().any(|cell| cell & 7 == FINER)
-        })
+    pub(crate) const fn has_finer_cells(&self) -> bool {
+        self.has_finer_cells
     }
 
     /// The monotone pieces that the loops were cut into, as they are stored in the words. Each piece consists of its
@@ -150,7 +157,7 @@ impl TrimGrid {
         &self.words
     }
 
-    /// The number of columns (and of rows) of the loops' cells; `None` if the loops have no cells.
+    /// The number of columns (and of rows) of the loops' cells, a power of two; `None` if the loops have no cells.
     pub(crate) fn loop_columns(&self) -> Option<NonZeroU32> {
         self.loops.and_then(|loops| NonZeroU32::new(loops.uniform_grid.size.x))
     }

@@ -1,7 +1,7 @@
 //! Paths that each have their own fill rule, as in SVG.
 
 use super::inside::winding_number;
-use super::{TrimLoop, Trims};
+use super::{ParameterSizes, TrimLoop, Trims};
 use crate::error::Result;
 use glam::DVec2;
 
@@ -42,7 +42,19 @@ impl TrimPath {
     /// # Errors
     /// As there.
     pub fn from_svg_path(data: &str, rule: FillRule) -> Result<Self> {
-        Ok(Self { loops: TrimLoop::from_svg_path(data)?, rule })
+        Self::from_svg_path_over(data, rule, &ParameterSizes::default())
+    }
+
+    /// The same for a surface with any parameters: see [`TrimLoop::from_svg_path_over`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn from_svg_path_over(
+        data: &str,
+        rule: FillRule,
+        parameters: &ParameterSizes,
+    ) -> Result<Self> {
+        Ok(Self { loops: TrimLoop::from_svg_path_over(data, parameters)?, rule })
     }
 }
 

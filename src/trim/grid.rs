@@ -15,7 +15,8 @@
 //!
 //! The shader reads one buffer of 32-bit words; four words make a texel. The buffer holds, in this order: a header,
 //! the cells of the loops, the pieces, the lists and finer cells of the loops, the shapes, and the cells and lists of
-//! the shapes. The shader is compiled for the number of the loops' cells.
+//! the shapes. The shader is told the number of the loops' columns with each sub-patch. All
+//! indices of words count from the header, because one buffer holds the grids of all surfaces.
 //!
 //! | word of the header | meaning |
 //! |---|---|

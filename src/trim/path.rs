@@ -7,10 +7,12 @@ use glam::DVec2;
 use kurbo::{Arc, PathEl, SvgArc};
 use svgtypes::{PathParser, PathSegment};
 
-use super::{SNAP, Segment, TrimLoop, Trims, check_count, check_counts, check_finite};
+use super::{
+    ParameterSizes, SNAP, Segment, TrimLoop, Trims, check_count, check_counts, check_finite,
+};
 use crate::error::{Error, Result};
 
-/// The maximum distance between an arc and its cubics, in the unit of the domain. (For radii from about 1e8 on, `f64`
+/// The maximum distance between an arc and its cubics, if the smallest patch has a size of 1 to 2. (For radii from about 1e8 on, `f64`
 /// is not precise enough for this.)
 const ARC_TOLERANCE: f64 = 1e-8;
 
@@ -21,8 +23,16 @@ impl Trims {
     /// As there, and more than 1,000,000 segments in all loops together. Errors number the loops as if they were
     /// already in these trims. The trims stay as they were.
     pub fn add_svg_path(&mut self, data: &str) -> Result<()> {
+        self.add_svg_path_over(data, &ParameterSizes::default())
+    }
+
+    /// The same for a surface with any parameters.
+    ///
+    /// # Errors
+    /// As [`Trims::add_svg_path`].
+    pub fn add_svg_path_over(&mut self, data: &str, parameters: &ParameterSizes) -> Result<()> {
         let before = self.loops.len();
-        let loops = read(data, before)?;
+        let loops = read(data, before, parameters)?;
         check_counts(&loops, before, self.segment_count())?;
         self.loops.extend(loops);
         Ok(())
@@ -38,13 +48,22 @@ impl TrimLoop {
     /// Text that is not path data, with the position of the error; a path without any segment; a number that is not
     /// finite, with the numbers of the loop and the segment.
     pub fn from_svg_path(data: &str) -> Result<Vec<Self>> {
-        read(data, 0)
+        Self::from_svg_path_over(data, &ParameterSizes::default())
+    }
+
+    /// The same for a surface with any parameters. The error of arcs is relative to its smallest patch.
+    ///
+    /// # Errors
+    /// As [`TrimLoop::from_svg_path`].
+    pub fn from_svg_path_over(data: &str, parameters: &ParameterSizes) -> Result<Vec<Self>> {
+        read(data, 0, parameters)
     }
 }
 
 /// Reads the loops of a path. Errors number the loops from `first` on.
-fn read(data: &str, first: usize) -> Result<Vec<TrimLoop>> {
-    let mut reader = Reader { first, sizes: sizes(data)?, ..Reader::default() };
+fn read(data: &str, first: usize, parameters: &ParameterSizes) -> Result<Vec<TrimLoop>> {
+    let mut reader =
+        Reader { first, sizes: sizes(data)?, parameters: *parameters, ..Reader::default() };
     for segment in PathParser::from(data) {
         reader.take(segment.map_err(|error| unreadable_path(data, &error))?)?;
     }
@@ -93,6 +112,7 @@ pub(super) fn unreadable_path(data: &str, error: &svgtypes::Error) -> Error {
 /// The state of a path that is read command by command.
 #[derive(Default)]
 struct Reader {
+    parameters: ParameterSizes,
     first: usize,
     sizes: Vec<usize>,
     loops: Vec<TrimLoop>,
@@ -210,7 +230,8 @@ impl Reader {
         };
         // An arc without a radius or a length is a line, as SVG requires.
         if let Some(arc) = Arc::from_svg_arc(&svg_arc) {
-            for element in arc.append_iter(ARC_TOLERANCE) {
+            let tolerance = ARC_TOLERANCE * self.parameters.unit().min_element();
+            for element in arc.append_iter(tolerance) {
                 if let PathEl::CurveTo(a, b, c) = element {
                     let [a, b, c] = [a, b, c].map(|p| DVec2::new(p.x, p.y));
                     self.cubic(a, b, c);
@@ -229,12 +250,14 @@ impl Reader {
 
     fn end_loop(&mut self) -> Result<()> {
         if std::mem::take(&mut self.open) && !self.segments.is_empty() {
-            if self.current.distance(self.start) >= SNAP {
+            let domain = self.parameters.domain;
+            if ((self.current - self.start) / domain).length() >= SNAP {
                 self.line(self.start);
             }
             self.open = false;
             let segments = std::mem::take(&mut self.segments);
-            let trim_loop = TrimLoop::new(segments).map_err(|error| self.blame(error))?;
+            let trim_loop =
+                TrimLoop::closed(segments, domain).map_err(|error| self.blame(error))?;
             self.closed += trim_loop.segments.len();
             self.loops.push(trim_loop);
         }

@@ -16,6 +16,8 @@ pub(super) struct TrimRows<'a> {
     /// For each row, the curves that may cross it, each with the index of its fill rule, in ascending order.
     /// The first and the last row extend to infinity.
     rows: Vec<Vec<(usize, &'a Segment)>>,
+    /// Minimum and maximum v of the rows.
+    range: [f64; 2],
     /// The fill rules of the loops and of each path.
     rules: Vec<FillRule>,
     keep: Keep,
@@ -24,7 +26,8 @@ pub(super) struct TrimRows<'a> {
 }
 
 impl<'a> TrimRows<'a> {
-    pub(super) fn new(trims: &'a Trims) -> Self {
+    /// `range` is that of v.
+    pub(super) fn new(trims: &'a Trims, range: [f64; 2]) -> Self {
         let count = trims.segment_count().max(1);
         let mut rows = vec![Vec::new(); (MAX_ENTRIES / count).clamp(1, MAX_ROWS.min(count))];
         for (number, fill) in trims.fills().enumerate() {
@@ -32,19 +35,19 @@ impl<'a> TrimRows<'a> {
                 let heights = segment.points().iter().map(|point| point.y);
                 let min = heights.clone().fold(f64::INFINITY, f64::min);
                 let max = heights.fold(f64::NEG_INFINITY, f64::max);
-                let (first, last) = (row_of(min, rows.len()), row_of(max, rows.len()));
+                let [first, last] = [min, max].map(|v| row_of(v, range, rows.len()));
                 for row in &mut rows[first..=last] {
                     row.push((number, segment));
                 }
             }
         }
         let rules = trims.fills().map(|fill| fill.rule).collect();
-        Self { rows, rules, keep: trims.keep, on: trims.loops_on && trims.has_loops() }
+        Self { rows, range, rules, keep: trims.keep, on: trims.loops_on && trims.has_loops() }
     }
 
     /// Whether the loops cut `uv`, decided as [`Trims::cut`] does.
     pub(super) fn cut(&self, uv: DVec2) -> bool {
-        let row = &self.rows[row_of(uv.y, self.rows.len())];
+        let row = &self.rows[row_of(uv.y, self.range, self.rows.len())];
         let inside = || {
             row.chunk_by(|(a, _), (b, _)| a == b).any(|filled| {
                 let number = filled.iter().map(|(_, segment)| ray_crossings(segment, uv)).sum();
@@ -56,8 +59,8 @@ impl<'a> TrimRows<'a> {
 }
 
 /// The row of `v`. It never decreases as `v` grows, so that a curve is in the rows of all its points.
-fn row_of(v: f64, rows: usize) -> usize {
-    ((v * rows as f64) as usize).min(rows - 1)
+fn row_of(v: f64, [low, high]: [f64; 2], rows: usize) -> usize {
+    (((v - low) / (high - low) * rows as f64) as usize).min(rows - 1)
 }
 
 #[cfg(test)]
@@ -73,7 +76,7 @@ mod tests {
             let mut trims = surface.trims.clone();
             for keep in [Keep::Outside, Keep::Inside] {
                 trims.keep = keep;
-                let rows = TrimRows::new(&trims);
+                let rows = TrimRows::new(&trims, [0.0, 1.0]);
                 let mut cut = 0;
                 for i in 0..10_000 {
                     // This includes the rows of the curves' ends, and places beyond the domain.

@@ -1,6 +1,6 @@
 //! The trims of a `[[surface]]`.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use toml::Spanned;
 
 use super::{Builder, KeepName, line_of};
@@ -10,7 +10,9 @@ use crate::scene::tables::{
 };
 use crate::scene::{Surface, svg, unreadable};
 use crate::thesis::newton::NewtonTrims;
-use crate::trim::{Circle, Ellipse, Keep, Rect, TrimCurve, TrimLoop, TrimPath, Trims};
+use crate::trim::{
+    Circle, Ellipse, Keep, ParameterSizes, Rect, TrimCurve, TrimLoop, TrimPath, Trims,
+};
 
 /// The trims of one table, and where they are in the text.
 pub(super) struct PlacedTrims {
@@ -31,6 +33,7 @@ impl Builder<'_> {
         &mut self,
         tables: Vec<Spanned<TrimTable>>,
         keep: KeepName,
+        surface: &Surface,
         start: usize,
     ) -> Result<PlacedTrims> {
         let keep = match keep {
@@ -43,11 +46,14 @@ impl Builder<'_> {
             let start = table.span().start;
             let place = self.chunk + start;
             let (loops, paths) = (trims.loops.len(), trims.paths.len());
-            self.add_trim(table.into_inner(), &mut trims, place)
+            self.add_trim(table.into_inner(), &mut trims, surface, place)
                 .map_err(|error| self.at(start, error))?;
             let new_paths = trims.paths[paths..].iter().flat_map(|path| &path.loops);
-            if is_outside(trims.loops[loops..].iter().chain(new_paths)) {
-                self.warn(place, "this trim lies wholly outside of the domain, [0, 1] × [0, 1]");
+            let [low, high] = surface.domain();
+            if is_outside([low, high], trims.loops[loops..].iter().chain(new_paths)) {
+                let [u, v] = [0, 1].map(|axis| format!("[{}, {}]", low[axis], high[axis]));
+                let words = format!("this trim lies wholly outside of the domain, {u} × {v}");
+                self.warn(place, &words);
             }
             places.loops.resize(trims.loops.len(), place);
             places.paths.resize(trims.paths.len(), place);
@@ -55,7 +61,14 @@ impl Builder<'_> {
         Ok(PlacedTrims { trims, places })
     }
 
-    fn add_trim(&mut self, table: TrimTable, trims: &mut Trims, place: usize) -> Result<()> {
+    fn add_trim(
+        &mut self,
+        table: TrimTable,
+        trims: &mut Trims,
+        surface: &Surface,
+        place: usize,
+    ) -> Result<()> {
+        let parameters = &surface.parameter_sizes();
         let TrimTable { circle, interval, ellipse, r#loop, nurbs, path, svg, fill_rule } = table;
         if fill_rule.is_some() && path.is_none() {
             return Err(Error::invalid("fill_rule", "without a path", "a path beside it"));
@@ -78,17 +91,20 @@ impl Builder<'_> {
                 trims.ellipses.push(Ellipse::new(center.into(), radii.into())?);
             }
             (None, None, None, Some(curves), None, None) => {
-                let trim_loop = loop_of(&curves)
+                let trim_loop = loop_of(&curves, parameters)
                     .map_err(|error| error.within(format!("loop {}", trims.loops.len())))?;
                 trims.add_loop(trim_loop)?;
             }
             (None, None, None, None, Some(data), None) => match fill_rule {
-                None => trims.add_svg_path(&data)?,
+                None => trims.add_svg_path_over(&data, parameters)?,
                 Some(rule) => {
-                    trims.add_paths(vec![TrimPath::from_svg_path(&data, rule.into())?])?
+                    let path = TrimPath::from_svg_path_over(&data, rule.into(), parameters)?;
+                    trims.add_paths(vec![path])?;
                 }
             },
-            (None, None, None, None, None, Some(file)) => self.add_svg(&file, trims, place)?,
+            (None, None, None, None, None, Some(file)) => {
+                self.add_svg(&file, trims, surface, place)?;
+            }
             _ => {
                 return Err(Error::invalid(
                     "trim",
@@ -100,9 +116,22 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn add_svg(&mut self, file: &str, trims: &mut Trims, place: usize) -> Result<()> {
+    /// Adds the paths of a document, which is fitted to the square [0, 1]² and then stretched over the domain.
+    fn add_svg(
+        &mut self,
+        file: &str,
+        trims: &mut Trims,
+        surface: &Surface,
+        place: usize,
+    ) -> Result<()> {
         let path = self.beside_scene(file);
-        let (paths, ignored) = svg::load(&path)?;
+        let (mut paths, ignored) = svg::load(&path)?;
+        let [low, high] = surface.domain();
+        if [low, high] != [DVec2::ZERO, DVec2::ONE] {
+            for one in paths.iter_mut().flat_map(|path| &mut path.loops) {
+                *one = one.map(|place| low + place * (high - low));
+            }
+        }
         trims.add_paths(paths).map_err(|error| unreadable(&path, error))?;
         if !ignored.is_empty() {
             let (path, ignored) = (path.display(), ignored.join(", "));
@@ -119,7 +148,7 @@ impl Builder<'_> {
 
     /// Refuses degrees that the thesis' method cannot draw and trims that it cannot cut.
     pub(super) fn check_for_thesis(&self, surface: &Surface, places: &TrimPlaces) -> Result<()> {
-        surface.degree().check_for_thesis().map_err(|error| self.at(places.surface, error))?;
+        surface.check_for_thesis().map_err(|error| self.at(places.surface, error))?;
         let trims = &surface.trims;
         let Err(error) = NewtonTrims::of(trims) else { return Ok(()) };
         if let Some(place) = places.paths.first() {
@@ -138,7 +167,7 @@ enum Curves {
     Nurbs(Vec<NurbsTable>),
 }
 
-fn loop_of(curves: &Curves) -> Result<TrimLoop> {
+fn loop_of(curves: &Curves, parameters: &ParameterSizes) -> Result<TrimLoop> {
     let points_of =
         |points: &[CurvePoint]| points.iter().copied().map(DVec3::from).collect::<Vec<_>>();
     let curves: Vec<Result<TrimCurve>> = match curves {
@@ -154,14 +183,17 @@ fn loop_of(curves: &Curves) -> Result<TrimLoop> {
         .into_iter()
         .enumerate()
         .map(|(number, curve)| curve.map_err(|error| error.within(format!("segment {number}"))));
-    TrimLoop::from_curves(&curves.collect::<Result<Vec<_>>>()?)
+    TrimLoop::from_curves_over(&curves.collect::<Result<Vec<_>>>()?, parameters)
 }
 
 /// Whether there are loops and all of them lie outside the domain.
-fn is_outside<'a>(mut loops: impl Iterator<Item = &'a TrimLoop> + Clone) -> bool {
+fn is_outside<'a>(
+    [first, last]: [DVec2; 2],
+    mut loops: impl Iterator<Item = &'a TrimLoop> + Clone,
+) -> bool {
     let beyond = |trim_loop: &TrimLoop| {
         let [low, high] = trim_loop.control_box();
-        high.min_element() < 0.0 || low.max_element() > 1.0
+        high.cmplt(first).any() || low.cmpgt(last).any()
     };
     loops.clone().next().is_some() && loops.all(beyond)
 }

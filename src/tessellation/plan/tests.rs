@@ -1,6 +1,7 @@
 use super::*;
 use crate::camera::{Camera, Lens};
 use crate::scene::Surface;
+use crate::trim::Trims;
 use glam::{DMat4, DVec3, UVec2, dvec3};
 
 /// A row of patches along x with increasing curvature. Every third one is back-facing. The ends of
@@ -30,6 +31,8 @@ fn many_patches_need_what_each_needs_alone() {
         let points = surface.control_points();
         let cones: Vec<NormalCone> =
             points.chunks(16).map(|points| NormalCone::new(Degree::CUBIC, points)).collect();
+        let mut trims = SurfaceTrims::new(&Trims::default(), None);
+        let lists = Lists { kept: [0; 3], trimmed: Vec::new() };
         let (mut seen, mut backs) = (0, 0);
         for back in [None, Some((Eye::Towards(DVec3::Z), 1.0))] {
             let surface = SurfacePatches {
@@ -40,12 +43,11 @@ fn many_patches_need_what_each_needs_alone() {
                 rounding: Rounding::new(&to_clip, 1.0),
                 cones: &cones,
                 back,
-                trims: None,
-                fixed: None,
+                trims: &mut trims,
                 first_point: 0,
                 first_patch: 0,
                 number: 0,
-                lists: Lists { kept: [0; 3], trimmed: [0; 3] },
+                lists: &lists,
             };
             let needs =
                 (0..patches).step_by(TOGETHER).flat_map(|first| surface.needs::<4>(first, &screen));

@@ -32,7 +32,7 @@ pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     if !min.cmplt(max).all() {
         return None;
     }
-    // A power of two, because a program is compiled for each size.
+    // A power of two, which the shaders are told in few bits.
     let wanted = (2 * curves.len().isqrt() as u32).next_power_of_two();
     let mut side = wanted.clamp(*SIDES.start(), *SIDES.end());
     let pieces_at = |side: u32| -> f64 {

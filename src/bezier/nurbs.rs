@@ -1,0 +1,287 @@
+//! NURBS surfaces: B-spline surfaces with weights.
+
+use glam::{DVec2, DVec3, DVec4, dvec2};
+
+use super::bspline::{Span, check_knots, spans};
+use super::{Degree, SurfacePoint, check_control_point, homogeneous};
+use crate::error::{Error, Result};
+
+/// A NURBS surface: control points with weights over two knot vectors.
+///
+/// A knot vector has degree + 1 knots more than there are control points along its direction. Knots rise and may have
+/// any multiplicity; the surface need not begin and end in control points. Its domain goes along each direction from
+/// knot `degree` to the knot `degree` before the last, counted from 0.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NurbsSurface {
+    degree: Degree,
+    knots: [Vec<f64>; 2],
+    points: Vec<DVec4>,
+}
+
+/// How the Bézier patches of a NURBS surface divide its domain.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PatchGrid {
+    /// The parameters along u where each column of patches begins and ends.
+    pub(crate) columns: Vec<[f64; 2]>,
+    /// The same along v for each row.
+    pub(crate) rows: Vec<[f64; 2]>,
+    /// For each column, whether it shares its last edge with the next column. For the last column: with the first.
+    pub(crate) column_continues: Vec<bool>,
+    /// The same for each row.
+    pub(crate) row_continues: Vec<bool>,
+}
+
+impl PatchGrid {
+    /// The first and the last parameters (u, v) of a patch. Patches are numbered row by row.
+    pub(crate) fn domain_of(&self, patch: usize) -> [DVec2; 2] {
+        let (u, v) = (self.columns[patch % self.columns.len()], self.rows[patch / self.columns.len()]);
+        [dvec2(u[0], v[0]), dvec2(u[1], v[1])]
+    }
+}
+
+impl NurbsSurface {
+    /// A surface from its full knot vectors along u and v and its control points (x, y, z, weight), row by row, with u
+    /// along a row.
+    ///
+    /// # Errors
+    /// Knots that are too few, not finite, decrease or leave no domain, a number of points that is not that of the
+    /// knots, a point that is not finite or above 1e15, a weight that is not from 1e-9 to 1e9. Knots and points are
+    /// numbered from 0.
+    pub fn new(degree: Degree, knots: [Vec<f64>; 2], points: Vec<DVec4>) -> Result<Self> {
+        let [columns, rows] = [("u", degree.u(), &knots[0]), ("v", degree.v(), &knots[1])]
+            .map(|(axis, degree, knots)| check_axis(axis, degree, knots));
+        let (columns, rows) = (columns?, rows?);
+        if columns.checked_mul(rows) != Some(points.len()) {
+            return Err(Error::invalid(
+                "number of control points",
+                points.len(),
+                format!("{columns} along u times {rows} along v: knots - degree - 1"),
+            ));
+        }
+        for (index, point) in points.iter().enumerate() {
+            check_control_point(*point, index)?;
+        }
+        Ok(Self { degree, knots, points })
+    }
+
+    /// The degrees along u and v.
+    #[must_use]
+    pub const fn degree(&self) -> Degree {
+        self.degree
+    }
+
+    /// The knots along u and along v.
+    #[must_use]
+    pub const fn knots(&self) -> &[Vec<f64>; 2] {
+        &self.knots
+    }
+
+    /// Control points along u.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.knots[0].len() - self.degree.u() - 1
+    }
+
+    /// Control points along v.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.knots[1].len() - self.degree.v() - 1
+    }
+
+    /// The control points (x, y, z, weight), row by row.
+    #[must_use]
+    pub fn control_points(&self) -> &[DVec4] {
+        &self.points
+    }
+
+    /// The control points, for changes that keep them valid.
+    pub(crate) fn points_mut(&mut self) -> &mut [DVec4] {
+        &mut self.points
+    }
+
+    /// The first and the last parameters (u, v) of the domain.
+    #[must_use]
+    pub fn domain(&self) -> [DVec2; 2] {
+        let [u, v] = &self.knots;
+        [
+            dvec2(u[self.degree.u()], v[self.degree.v()]),
+            dvec2(u[self.columns()], v[self.rows()]),
+        ]
+    }
+
+    /// Value and first derivatives at (u, v) in the domain, by de Boor's algorithm on the given knots; for weights by
+    /// the quotient rule. At a knot, derivatives are those towards greater parameters, except at the end of the domain.
+    #[must_use]
+    pub fn at(&self, u: f64, v: f64) -> SurfacePoint {
+        self.in_spans(self.spans_of(dvec2(u, v)), u, v)
+    }
+
+    /// The same at a place within a patch, given by its domain; `share` goes from 0 to 1 there. Derivatives are those
+    /// within the patch.
+    pub(crate) fn at_in(&self, [low, high]: [DVec2; 2], share: DVec2) -> SurfacePoint {
+        let place = low + share * (high - low);
+        self.in_spans(self.spans_of(low.midpoint(high)), place.x, place.y)
+    }
+
+    fn spans_of(&self, place: DVec2) -> [usize; 2] {
+        let [u, v] = &self.knots;
+        [span_of(self.degree.u(), u, place.x), span_of(self.degree.v(), v, place.y)]
+    }
+
+    fn in_spans(&self, [span_u, span_v]: [usize; 2], u: f64, v: f64) -> SurfacePoint {
+        let columns = self.columns();
+        let first_row = span_v - self.degree.v();
+        let along_rows: Vec<[DVec4; 2]> = (first_row..=span_v)
+            .map(|row| {
+                let points = &self.points[row * columns..][..columns];
+                let points = &points[span_u - self.degree.u()..=span_u];
+                let points: Vec<DVec4> = points.iter().copied().map(homogeneous).collect();
+                de_boor(self.degree.u(), &self.knots[0], span_u, points, u)
+            })
+            .collect();
+        let along_v = |of: usize| {
+            let points = along_rows.iter().map(|row| row[of]).collect();
+            de_boor(self.degree.v(), &self.knots[1], span_v, points, v)
+        };
+        let ([value, dv], [du, _]) = (along_v(0), along_v(1));
+        let position = value.truncate() / value.w;
+        let derivative = |of: DVec4| -> DVec3 { (of.truncate() - position * of.w) / value.w };
+        SurfacePoint { position, du: derivative(du), dv: derivative(dv) }
+    }
+
+    /// The surface as Bézier patches, one for each pair of spans that are not empty. Neighbours share the control
+    /// points of their common edge bit for bit. So do the first and the last patches of a surface that closes up to
+    /// rounding.
+    ///
+    /// The second value are their control points, patch after patch, each row by row.
+    pub(crate) fn patches(&self) -> (PatchGrid, Vec<DVec4>) {
+        let [along_u, along_v] = [
+            spans(self.degree.u(), &self.knots[0]),
+            spans(self.degree.v(), &self.knots[1]),
+        ];
+        let weight = self.points[0].w;
+        let is_rational = self.points.iter().any(|point| point.w != weight);
+        // Blends of equal weights would differ from them by rounding.
+        let blended = |point: DVec4| if is_rational { homogeneous(point) } else { point };
+        let unblended = |point: DVec4| {
+            if is_rational {
+                (point.truncate() / point.w).extend(point.w)
+            } else {
+                point.truncate().extend(weight)
+            }
+        };
+        // All patches along u of each row of control points, then the same along v of each column of these.
+        let (wide, tall) = (along_u.len() * self.degree.columns(), along_v.len() * self.degree.rows());
+        let mut rows = Vec::with_capacity(wide * self.rows());
+        for row in self.points.chunks_exact(self.columns()) {
+            let row: Vec<DVec4> = row.iter().copied().map(blended).collect();
+            extend_with_curves(&along_u, &row, &mut rows);
+        }
+        let mut column = Vec::with_capacity(self.rows());
+        let mut columns = Vec::with_capacity(wide * tall);
+        for i in 0..wide {
+            column.clear();
+            column.extend(rows[i..].iter().step_by(wide));
+            extend_with_curves(&along_v, &column, &mut columns);
+        }
+        drop(rows);
+        let closed = close(&mut columns, tall, is_rational);
+        let (in_row, in_column) = (self.degree.columns(), self.degree.rows());
+        let mut points = Vec::with_capacity(wide * tall);
+        for j in 0..along_v.len() {
+            for i in 0..along_u.len() {
+                for row in j * in_column..(j + 1) * in_column {
+                    let place = |column: usize| columns[(i * in_row + column) * tall + row];
+                    points.extend((0..in_row).map(place).map(unblended));
+                }
+            }
+        }
+        let ends = |spans: &[Span]| spans.iter().map(|span| span.ends).collect();
+        let continues = |spans: &[Span], closed: bool| {
+            let mut continues: Vec<bool> = spans.iter().map(|span| span.continues).collect();
+            continues[spans.len() - 1] = closed;
+            continues
+        };
+        let grid = PatchGrid {
+            columns: ends(&along_u),
+            rows: ends(&along_v),
+            column_continues: continues(&along_u, closed[0]),
+            row_continues: continues(&along_v, closed[1]),
+        };
+        (grid, points)
+    }
+}
+
+/// The number of control points along a direction that the knots ask for.
+fn check_axis(axis: &str, degree: usize, knots: &[f64]) -> Result<usize> {
+    if knots.len() < 2 * (degree + 1) {
+        let expected = format!("at least {} for degree {degree}", 2 * (degree + 1));
+        return Err(Error::invalid(format!("number of knots along {axis}"), knots.len(), expected));
+    }
+    let points = knots.len() - degree - 1;
+    check_knots(degree, knots, points)
+        .map_err(|error| error.within(format!("knots along {axis}")))?;
+    Ok(points)
+}
+
+/// The index of the first knot of the span that contains a parameter of the domain.
+fn span_of(degree: usize, knots: &[f64], t: f64) -> usize {
+    let last = knots.len() - degree - 1;
+    let inside = &knots[degree..last];
+    let span = degree + inside.partition_point(|knot| *knot <= t).saturating_sub(1);
+    // The first of several equal knots begins an empty span.
+    let is_span = |span: &usize| knots[*span] < knots[*span + 1];
+    (span..last).find(is_span).or_else(|| (degree..span).rev().find(is_span)).unwrap_or(degree)
+}
+
+/// De Boor's algorithm: the point of a curve and its derivative, from the control points of a span.
+fn de_boor(degree: usize, knots: &[f64], span: usize, mut points: Vec<DVec4>, t: f64) -> [DVec4; 2] {
+    let mut derivative = DVec4::ZERO;
+    for round in 1..=degree {
+        for j in (round..=degree).rev() {
+            let [low, high] = [knots[j + span - degree], knots[j + 1 + span - round]];
+            if round == degree {
+                derivative = (points[j] - points[j - 1]) * (degree as f64 / (high - low));
+            }
+            points[j] = points[j - 1].lerp(points[j], (t - low) / (high - low));
+        }
+    }
+    [points[degree], derivative]
+}
+
+/// Appends the control points of the Bézier curves of a B-spline curve. Where the curve is continuous, neighbours share
+/// their common end.
+fn extend_with_curves(spans: &[Span], points: &[DVec4], curves: &mut Vec<DVec4>) {
+    for (i, span) in spans.iter().enumerate() {
+        let start = curves.len();
+        curves.extend(span.bezier(points));
+        if i > 0 && spans[i - 1].continues {
+            curves[start - 1] = curves[start];
+        }
+    }
+}
+
+/// Closes a surface whose opposite borders are equal up to rounding, along u and along v. The control points are
+/// given column by column, `tall` points each. Returns along which directions they are equal.
+fn close(columns: &mut [DVec4], tall: usize, is_rational: bool) -> [bool; 2] {
+    /// Relative to the largest coordinate.
+    const ROUNDING: f64 = 1e-13;
+    let size = columns.iter().map(|point| point.truncate().abs().max_element()).fold(0.0, f64::max);
+    let weight = columns.iter().map(|point| point.w).fold(0.0, f64::max);
+    let equal = |a: &DVec4, b: &DVec4| {
+        let off = (*a - *b).abs();
+        off.truncate().max_element() <= ROUNDING * size && (!is_rational || off.w <= ROUNDING * weight)
+    };
+    let last = columns.len() - tall;
+    let along_u = (0..tall).all(|i| equal(&columns[i], &columns[last + i]));
+    if along_u {
+        columns.copy_within(0..tall, last);
+    }
+    let along_v = columns.chunks_exact(tall).all(|column| equal(&column[0], &column[tall - 1]));
+    if along_v {
+        for column in columns.chunks_exact_mut(tall) {
+            column[tall - 1] = column[0];
+        }
+    }
+    [along_u, along_v]
+}
