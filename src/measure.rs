@@ -369,7 +369,10 @@ mod tests {
     #[test]
     fn a_shifted_place_is_so_many_pixels_off() {
         let mut aovs = aovs_of_square();
-        for (i, uv) in aovs.uv.iter_mut().enumerate().filter(|(_, uv)| uv[3] != 0.0) {
+        let drawn = aovs.uv.iter().map(|uv| uv[3] != 0.0);
+        for (i, (uv, _)) in
+            aovs.patch_uv.iter_mut().zip(drawn).enumerate().filter(|(_, (_, on))| *on)
+        {
             // 3 pixels to the right, and in the left half also 4 pixels up.
             uv[0] += 0.15;
             uv[1] += if i % SIDE < 20 { 0.2 } else { 0.0 };
@@ -434,6 +437,7 @@ mod tests {
         }
         let mut aovs = aovs_of_square();
         aovs.uv[9 * SIDE + 20] = [0.525, 1.0, 0.0, 1.0];
+        aovs.patch_uv[9 * SIDE + 20] = [0.525, 1.0];
         let all = measured(&aovs);
         assert_eq!((all.silhouette_pixels, all.crack_pixels), (1, 0));
         assert!((all.max_error_px - 0.5).abs() < 1e-5);

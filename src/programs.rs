@@ -414,7 +414,7 @@ impl Sources {
             ("OVER_DOMAIN", painting == Painting::PictureOverDomain),
             ("AOV", key.output != Output::Picture),
             ("GEOMETRY", key.output == Output::Aovs),
-            ("CUT_OUT", key.cut_out),
+            ("CUT_OUT", key.cut_out && painting != Painting::Color),
             ("FAR_DEPTH", key.far_depth),
             ("PHONG", key.shading == Shading::Phong),
             ("NORMALS", key.shading == Shading::Normals),

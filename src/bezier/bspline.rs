@@ -64,7 +64,10 @@ impl Span {
 }
 
 /// Points that can be blended.
-pub(crate) trait Blend: Copy + std::ops::Mul<f64, Output = Self> + std::ops::Add<Output = Self> {}
+pub(crate) trait Blend:
+    Copy + std::ops::Mul<f64, Output = Self> + std::ops::Add<Output = Self>
+{
+}
 
 impl<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>> Blend for T {}
 

@@ -34,7 +34,8 @@ pub(crate) struct PatchGrid {
 impl PatchGrid {
     /// The first and the last parameters (u, v) of a patch. Patches are numbered row by row.
     pub(crate) fn domain_of(&self, patch: usize) -> [DVec2; 2] {
-        let (u, v) = (self.columns[patch % self.columns.len()], self.rows[patch / self.columns.len()]);
+        let (u, v) =
+            (self.columns[patch % self.columns.len()], self.rows[patch / self.columns.len()]);
         [dvec2(u[0], v[0]), dvec2(u[1], v[1])]
     }
 }
@@ -103,10 +104,7 @@ impl NurbsSurface {
     #[must_use]
     pub fn domain(&self) -> [DVec2; 2] {
         let [u, v] = &self.knots;
-        [
-            dvec2(u[self.degree.u()], v[self.degree.v()]),
-            dvec2(u[self.columns()], v[self.rows()]),
-        ]
+        [dvec2(u[self.degree.u()], v[self.degree.v()]), dvec2(u[self.columns()], v[self.rows()])]
     }
 
     /// Value and first derivatives at (u, v) in the domain, by de Boor's algorithm on the given knots; for weights by
@@ -155,10 +153,8 @@ impl NurbsSurface {
     ///
     /// The second value are their control points, patch after patch, each row by row.
     pub(crate) fn patches(&self) -> (PatchGrid, Vec<DVec4>) {
-        let [along_u, along_v] = [
-            spans(self.degree.u(), &self.knots[0]),
-            spans(self.degree.v(), &self.knots[1]),
-        ];
+        let [along_u, along_v] =
+            [spans(self.degree.u(), &self.knots[0]), spans(self.degree.v(), &self.knots[1])];
         let weight = self.points[0].w;
         let is_rational = self.points.iter().any(|point| point.w != weight);
         // Blends of equal weights would differ from them by rounding.
@@ -171,7 +167,8 @@ impl NurbsSurface {
             }
         };
         // All patches along u of each row of control points, then the same along v of each column of these.
-        let (wide, tall) = (along_u.len() * self.degree.columns(), along_v.len() * self.degree.rows());
+        let (wide, tall) =
+            (along_u.len() * self.degree.columns(), along_v.len() * self.degree.rows());
         let mut rows = Vec::with_capacity(wide * self.rows());
         for row in self.points.chunks_exact(self.columns()) {
             let row: Vec<DVec4> = row.iter().copied().map(blended).collect();
@@ -235,7 +232,13 @@ fn span_of(degree: usize, knots: &[f64], t: f64) -> usize {
 }
 
 /// De Boor's algorithm: the point of a curve and its derivative, from the control points of a span.
-fn de_boor(degree: usize, knots: &[f64], span: usize, mut points: Vec<DVec4>, t: f64) -> [DVec4; 2] {
+fn de_boor(
+    degree: usize,
+    knots: &[f64],
+    span: usize,
+    mut points: Vec<DVec4>,
+    t: f64,
+) -> [DVec4; 2] {
     let mut derivative = DVec4::ZERO;
     for round in 1..=degree {
         for j in (round..=degree).rev() {
@@ -270,7 +273,8 @@ fn close(columns: &mut [DVec4], tall: usize, is_rational: bool) -> [bool; 2] {
     let weight = columns.iter().map(|point| point.w).fold(0.0, f64::max);
     let equal = |a: &DVec4, b: &DVec4| {
         let off = (*a - *b).abs();
-        off.truncate().max_element() <= ROUNDING * size && (!is_rational || off.w <= ROUNDING * weight)
+        off.truncate().max_element() <= ROUNDING * size
+            && (!is_rational || off.w <= ROUNDING * weight)
     };
     let last = columns.len() - tall;
     let along_u = (0..tall).all(|i| equal(&columns[i], &columns[last + i]));

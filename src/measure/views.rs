@@ -81,10 +81,9 @@ impl Random {
         for left in (0..TRIES).rev() {
             let number = (self.unit() * count as f64) as usize;
             let uv = DVec2::new(self.unit(), self.unit());
-            let mut patches = scene
-                .surfaces
-                .iter()
-                .flat_map(|surface| (0..surface.patches().len()).map(move |patch| (surface, patch)));
+            let mut patches = scene.surfaces.iter().flat_map(|surface| {
+                (0..surface.patches().len()).map(move |patch| (surface, patch))
+            });
             let (surface, patch) = patches.nth(number).expect("one of all patches");
             let [low, high] = surface.patch_domain(patch);
             if left == 0 || !surface.trims.cut(low + uv * (high - low)) {

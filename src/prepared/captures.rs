@@ -49,8 +49,7 @@ impl PreparedScene {
                 continue;
             }
             let number = firsts.partition_point(|first| *first <= patch) - 1;
-            let [low, high] =
-                self.surfaces[number].surface().patch_domain(patch - firsts[number]);
+            let [low, high] = self.surfaces[number].surface().patch_domain(patch - firsts[number]);
             let place = low + DVec2::new(own[0].into(), own[1].into()) * (high - low);
             [uv[0], uv[1]] = place.as_vec2().to_array();
         }

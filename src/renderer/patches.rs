@@ -76,10 +76,9 @@ impl Renderer {
                 texture.bind(0);
             }
             surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
-            for (buffer, unit) in [
-                (draw_list.matrices(), SURFACES_UNIT),
-                (draw_list.domains(), DOMAINS_UNIT),
-            ] {
+            for (buffer, unit) in
+                [(draw_list.matrices(), SURFACES_UNIT), (draw_list.domains(), DOMAINS_UNIT)]
+            {
                 if let Some(buffer) = buffer {
                     buffer.bind(unit);
                 }

@@ -250,7 +250,8 @@ mod tests {
             for turn in 0..8 {
                 let mut points = patch(degree, 0.0, 0.0, 0);
                 points.extend(patch(degree, 1.0, 0.0, turn));
-                let table = EdgeTable::new(&[EdgeSource { degree, points: &points, group: 0, grid: None }]);
+                let table =
+                    EdgeTable::new(&[EdgeSource { degree, points: &points, group: 0, grid: None }]);
                 assert_eq!(table.count(), 7, "{turn}");
                 assert!(table.of(1).contains(&table.of(0)[2]), "{turn}");
             }

@@ -95,7 +95,8 @@ fn shapes_of(trims: &Trims) -> Vec<Shape> {
     let circles = trims.circles.iter().filter(|_| trims.circles_on);
     let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
     let rects = trims.rects.iter().filter(|_| trims.rects_on);
-    let round = |&Circle { center, radius }: &Circle| Ellipse { center, radii: DVec2::splat(radius) };
+    let round =
+        |&Circle { center, radius }: &Circle| Ellipse { center, radii: DVec2::splat(radius) };
     let rounds = circles.map(round).chain(ellipses.copied()).map(Shape::Ellipse);
     rounds.chain(rects.copied().map(Shape::Rect)).collect()
 }
@@ -196,7 +197,9 @@ impl Content {
                 }
                 Shape::Rect(Rect { u, v }) => {
                     let (from, to) = (local(DVec2::new(u.x, v.x)), local(DVec2::new(u.y, v.y)));
-                    trims.rects.push(Rect { u: DVec2::new(from.x, to.x), v: DVec2::new(from.y, to.y) });
+                    trims
+                        .rects
+                        .push(Rect { u: DVec2::new(from.x, to.x), v: DVec2::new(from.y, to.y) });
                 }
             }
         }
@@ -250,9 +253,8 @@ fn limited(segments: &[Segment], block: [DVec2; 2]) -> (Vec<Segment>, bool) {
         }
     }
     // Points that the chain does not leave count for nothing.
-    let is_point = |segment: &Segment| {
-        matches!(segment, Segment::Line([start, end]) if start == end)
-    };
+    let is_point =
+        |segment: &Segment| matches!(segment, Segment::Line([start, end]) if start == end);
     let segments = joined.into_iter().map(|(segment, _)| segment);
     (segments.filter(|segment| !is_point(segment)).collect(), reaches)
 }

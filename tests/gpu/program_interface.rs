@@ -1,12 +1,11 @@
 //! The linked programs have the names and locations of the thesis' listings.
 #![allow(unsafe_code, reason = "one question to a program is asked of OpenGL itself")]
 
-use std::num::NonZeroU32;
-
 use freeform_surface::inspect::Program;
 use freeform_surface::inspect::programs::{
-    CONTROL_POINTS_UNIT, Output, PatchKind, Pipeline, ProgramKey, SURFACES_UNIT, Sources,
-    TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT, TrimFeatures, location,
+    CONTROL_POINTS_UNIT, DOMAINS_UNIT, Output, Painting, PatchKind, Pipeline, ProgramKey,
+    SURFACES_UNIT, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT,
+    TrimFeatures, location,
 };
 use freeform_surface::{Degree, Error, Headless, Normals, Shading};
 use glow::HasContext as _;
@@ -190,7 +189,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
     for bits in 0..64 {
         let has = |bit: u32| bits >> bit & 1 == 1;
         let trims = TrimFeatures {
-            loop_columns: has(0).then_some(NonZeroU32::new(64).unwrap()),
+            grid_loops: has(0),
             finer_loops: has(1),
             long_lists: has(2),
             shape_grid: has(3),
@@ -225,8 +224,12 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             (Degree::QUARTIC, 1, Shading::Phong, PatchKind::Rational, Normals::Pixel, Output::Aovs),
             (Degree::CUBIC, 1, Shading::Unlit, PatchKind::Degenerate, Normals::Pixel, Output::Aovs),
         ] {
-            let shared = has(4);
-            let pipeline = Pipeline::Exact { degree, samples, patches, shared, normals };
+            let painting = match (has(4), has(1)) {
+                (false, _) => Painting::Color,
+                (true, false) => Painting::Picture,
+                (true, true) => Painting::PictureOverDomain,
+            };
+            let pipeline = Pipeline::Exact { degree, samples, patches, painting, normals };
             let key =
                 ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
             let program = Sources::default()
@@ -237,9 +240,12 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             assert_eq!(unit("trimWords"), words, "{key:?}");
             assert_eq!(unit("trimPoints"), words.map(|unit| unit + 1), "{key:?}");
             assert_eq!(unit("controlPoints"), Some(CONTROL_POINTS_UNIT as i32));
-            assert_eq!(unit("surfaces"), shared.then_some(SURFACES_UNIT as i32));
-            let to_clip = (!shared).then_some(location::TO_CLIP);
-            assert_eq!(program.uniform_location("toClip"), to_clip);
+            assert_eq!(unit("surfaces"), Some(SURFACES_UNIT as i32));
+            let is_shown = output == Output::Picture;
+            let picture = has(4) && is_shown && (shading != Shading::Normals || has(2));
+            assert_eq!(unit("colortexture"), picture.then_some(0), "{key:?}");
+            let domains = picture && painting == Painting::PictureOverDomain;
+            assert_eq!(unit("domains"), domains.then_some(DOMAINS_UNIT as i32), "{key:?}");
             let to_world = (output == Output::Aovs).then_some(location::VIEW_TO_WORLD);
             assert_eq!(program.uniform_location("viewToWorld"), to_world);
         }
