@@ -3,9 +3,9 @@
 
 use std::collections::HashMap;
 
-use freeform_surface::inspect::{StaticMesh, StaticVertex};
+use freeform_surface::inspect::{DrawnVertex, StaticMesh, StaticVertex};
 use freeform_surface::{Gl, Mesh, Patch, Scene};
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 
 /// The triangles of a scene's one surface at its level, in world space, with normals from `normal`.
 pub fn of_surface(gl: &Gl, scene: &Scene, normal: fn(&Patch<'_>, f64, f64) -> DVec3) -> StaticMesh {
@@ -49,6 +49,28 @@ pub fn of_mesh(gl: &Gl, mesh: &Mesh) -> StaticMesh {
                 normal: mesh.normals()[corner.normal as usize].as_vec3().into(),
                 v: 0.0,
                 patch: 0,
+            });
+            vertices.len() as u32 - 1
+        }));
+    }
+    StaticMesh::new(gl, &vertices, &indices).expect("it fits")
+}
+
+/// Captured triangles, one vertex for each different corner of a patch. `to_world` is the matrix from view space.
+pub fn of_drawn(gl: &Gl, drawn: &[DrawnVertex], to_world: &DMat4) -> StaticMesh {
+    let mut numbers = HashMap::new();
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    for corner in drawn {
+        let key = (corner.patch, corner.uv.map(f32::to_bits));
+        indices.push(*numbers.entry(key).or_insert_with(|| {
+            let [x, y, z, _] = corner.position.map(f64::from);
+            let normal = DVec3::from(corner.normal.map(f64::from));
+            vertices.push(StaticVertex {
+                position: to_world.transform_point3(DVec3::new(x, y, z)).as_vec3().into(),
+                u: corner.uv[0],
+                normal: to_world.transform_vector3(normal).as_vec3().into(),
+                v: corner.uv[1],
+                patch: corner.patch,
             });
             vertices.len() as u32 - 1
         }));

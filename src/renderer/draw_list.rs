@@ -22,7 +22,7 @@ use crate::programs::{Output, Painting, TrimFeatures};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
     EdgeSource, EdgeTable, Eye, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
-    SurfacePatches, TrimmedList,
+    SurfacePatches, Tessellated, TrimmedList,
 };
 
 /// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
@@ -42,8 +42,8 @@ pub(crate) struct DrawList {
     batches: Vec<Batch>,
     /// For each surface, the lists of the plan that its sub-patches go to.
     lists: Vec<Lists>,
-    /// The frame that everything is up to date with, and whether it is drawn in red lines.
-    key: Option<(PlanKey, bool)>,
+    /// The frame that everything is up to date with.
+    key: Option<DrawKey>,
     /// The grids of all surfaces' trims.
     trims: TrimWords,
     plan: Plan,
@@ -59,6 +59,15 @@ pub(crate) struct DrawList {
     /// For each patch, where its domain lies in that of its surface, if a picture is drawn over the latter.
     domains: Option<TexelBuffer>,
     draws: Vec<Draw>,
+}
+
+/// What a list of draws depends on, besides the surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct DrawKey {
+    plan: PlanKey,
+    wireframe: bool,
+    /// Whether the lines of a wireframe are red.
+    in_red: bool,
 }
 
 impl Vertex for SubPatch {
@@ -112,15 +121,18 @@ impl DrawList {
             surface.upload_trims(renderer.gl(), &frame.settings)?;
         }
         self.trims.update(renderer.gl(), surfaces)?;
-        let in_lines = in_lines(&frame.settings, Output::Picture);
-        let key = (PlanKey::new(frame, frame.settings.tessellation), in_lines);
+        let key = DrawKey {
+            plan: PlanKey::new(frame, frame.settings.tessellation),
+            wireframe: frame.settings.wireframe,
+            in_red: in_lines(&frame.settings, Output::Picture),
+        };
         let same = self.note_revisions(surfaces);
         if same && self.key == Some(key) {
             return Ok(());
         }
         // If the update fails, the next one starts again.
         self.key = None;
-        self.plan(surfaces, &key.0);
+        self.plan(surfaces, &key.plan);
         self.upload(renderer, surfaces, &key)?;
         self.key = Some(key);
         Ok(())
@@ -279,7 +291,7 @@ impl DrawList {
         &mut self,
         renderer: &Renderer,
         surfaces: &[PreparedSurface],
-        (key, in_lines): &(PlanKey, bool),
+        key: &DrawKey,
     ) -> Result<()> {
         let gl = renderer.gl();
         self.draws.clear();
@@ -301,16 +313,20 @@ impl DrawList {
             write_changed(sub_patches, &self.uploaded, &self.staged);
         }
         std::mem::swap(&mut self.uploaded, &mut self.staged);
+        let size = renderer.draw_size();
+        let vertices = self.plan.lists().iter().flatten().map(|one| u64::from(one.vertices()));
+        let max_vertices =
+            if key.wireframe { size.vertices() } else { size.vertices_of(vertices.sum()) };
         let mut first = 0;
         for (batch, sub_patches) in self.plan.lists().iter().enumerate() {
-            divide(sub_patches, first, batch, renderer.draw_size(), &mut self.draws);
+            divide(sub_patches, first, batch, max_vertices, &mut self.draws);
             first += sub_patches.len();
         }
         let texels: Vec<Vec4> = surfaces
             .iter()
             .flat_map(|surface| {
-                let mut columns = matrices(&surface.points_to_world(), &key.camera);
-                let color = if *in_lines { RED } else { surface.color() };
+                let mut columns = matrices(&surface.points_to_world(), &key.plan.camera);
+                let color = if key.in_red { RED } else { surface.color() };
                 let [r, g, b] = to_bytes(color).map(|channel| f32::from(channel) * (1.0 / 255.0));
                 columns[MATRIX_TEXELS - 1] = Vec4::new(r, g, b, 1.0);
                 columns

@@ -10,7 +10,7 @@ use super::{Frame, Renderer};
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::Tessellation;
-use crate::tessellation::{DrawSize, Tessellated, patches_of_next_draw};
+use crate::tessellation::{Tessellated, patches_of_next_draw};
 
 /// The inputs of a plan that come from the frame. While they stay the same, the plan stays valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,13 +40,13 @@ pub(super) struct Draw {
     pub(super) triangles: u64,
 }
 
-/// Divides the patches of a batch into draws of the size that suits the driver. `first` is the
+/// Divides the patches of a batch into draws of at most so many vertices, unless a patch has more. `first` is the
 /// index of the first patch. Draws begin and end with a patch that has vertices.
 pub(super) fn divide<T: Tessellated>(
     patches: &[T],
     first: usize,
     batch: usize,
-    size: DrawSize,
+    max_vertices: u32,
     draws: &mut Vec<Draw>,
 ) {
     let is_drawn = |patch: &T| patch.vertices() > 0;
@@ -54,7 +54,7 @@ pub(super) fn divide<T: Tessellated>(
     while let Some(next) = patches[begin..].iter().position(is_drawn) {
         begin += next;
         let rest = &patches[begin..];
-        let fitting = patches_of_next_draw(rest.iter().map(T::vertices), size);
+        let fitting = patches_of_next_draw(rest.iter().map(T::vertices), max_vertices);
         let count = rest[..fitting].iter().rposition(is_drawn).map_or(fitting, |last| last + 1);
         let triangles = rest[..count].iter().map(T::triangles).sum();
         draws.push(Draw { batch, first: first + begin, count, triangles });

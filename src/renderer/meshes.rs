@@ -18,7 +18,7 @@ use crate::mesh::{Corner, Smoothing};
 use crate::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
-    DrawSize, FrameStats, Rounding, Screen, Tessellated, TriangleBound, raise,
+    FrameStats, Rounding, Screen, Tessellated, TriangleBound, raise,
     triangles_of_triangle, vertices_of_triangle,
 };
 
@@ -234,7 +234,7 @@ impl PreparedMesh {
                 self.levels = Some(levels?);
             }
         }
-        self.find_draws(renderer.draw_size());
+        self.find_draws(renderer.draw_size().vertices());
         self.key = Some(key);
         Ok(())
     }
@@ -304,11 +304,11 @@ impl PreparedMesh {
     }
 
     /// Divides the triangles of each paint into draws of the size that suits the driver.
-    fn find_draws(&mut self, draw_size: DrawSize) {
+    fn find_draws(&mut self, max_vertices: u32) {
         self.draws.clear();
         let mut first = 0;
         for (paint, Painted { end, .. }) in self.paints.iter().enumerate() {
-            divide(&self.words[first..*end], first, paint, draw_size, &mut self.draws);
+            divide(&self.words[first..*end], first, paint, max_vertices, &mut self.draws);
             first = *end;
         }
         self.stats.draws = self.draws.len();

@@ -214,7 +214,7 @@ pub(crate) trait Tessellated {
     fn triangles(&self) -> u64;
 }
 
-/// The number of vertices that one draw of sub-patches should have.
+/// The number of vertices that one draw should have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum DrawSize {
     /// As few as cost little: Mesa's software driver gathers them patch by patch in memory that it
@@ -224,12 +224,28 @@ pub(crate) enum DrawSize {
     Large,
 }
 
-/// The number of sub-patches at the front of the sequence that make one draw, given their vertex counts.
-pub(crate) fn patches_of_next_draw(vertices: impl Iterator<Item = u32>, size: DrawSize) -> usize {
-    let max = match size {
-        DrawSize::Small => 800,
-        DrawSize::Large => 32_000,
-    };
+impl DrawSize {
+    /// The maximum number of vertices of a draw, unless a single patch has more.
+    pub(crate) const fn vertices(self) -> u32 {
+        match self {
+            Self::Small => 800,
+            Self::Large => 32_000,
+        }
+    }
+
+    /// The same for filled triangles that have so many vertices together. With more than a few dozen small draws, their
+    /// number costs nearly as much as their size; 10,000 vertices in a draw take a tenth longer than in many draws.
+    pub(crate) fn vertices_of(self, together: u64) -> u32 {
+        const DRAWS: u64 = 48;
+        const MOST: u64 = 9_000;
+        let even = (together / DRAWS).min(MOST) as u32;
+        self.vertices().max(even)
+    }
+}
+
+/// The number of sub-patches at the front of the sequence that make one draw of at most `max` vertices, given their
+/// vertex counts.
+pub(crate) fn patches_of_next_draw(vertices: impl Iterator<Item = u32>, max: u32) -> usize {
     let mut sum = 0;
     let fitting = vertices.take_while(|vertices| {
         sum += vertices;
