@@ -135,6 +135,10 @@ fn main() {
         line("its patches, ms", patches_ms, "");
         line("uploaded, ms", upload_ms, "");
         line("planned, ms", plan_ms, "");
-        line("all until the first draw, ms", patches_ms + upload_ms + plan_ms, "at most 400 for 300");
+        line(
+            "all until the first draw, ms",
+            patches_ms + upload_ms + plan_ms,
+            "at most 400 for 300",
+        );
     }
 }

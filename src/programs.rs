@@ -120,8 +120,8 @@ pub enum Pipeline {
     Report,
     /// The exact method: true normals; trims are looked up in a grid, for each sample of a pixel.
     Exact {
-        /// The degree of the patches.
-        degree: Degree,
+        /// The degree of the patches; `None`: any, which each sub-patch states.
+        degree: Option<Degree>,
         /// Samples per pixel of the target.
         samples: u32,
         /// How the patches are evaluated.
@@ -396,11 +396,15 @@ impl Sources {
         let mut painting = Painting::Picture;
         if let Pipeline::Exact { degree, patches, painting: own, normals, .. } = key.pipeline {
             painting = own;
-            defines.extend([("COLUMNS", degree.columns() as u32), ("ROWS", degree.rows() as u32)]);
+            if let Some(degree) = degree {
+                let (columns, rows) = (degree.columns() as u32, degree.rows() as u32);
+                defines.extend([("COLUMNS", columns), ("ROWS", rows)]);
+            }
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
             on.extend([
-                ("HELD", degree.points() <= MAX_HELD),
+                ("ANY_DEGREE", degree.is_none()),
+                ("HELD", degree.is_some_and(|degree| degree.points() <= MAX_HELD)),
                 ("RATIONAL", patches != PatchKind::Polynomial),
                 ("DEGENERATE", patches == PatchKind::Degenerate),
                 ("PIXEL_NORMALS", facts.pixel_normals),

@@ -19,7 +19,11 @@ layout(location = 5) flat in vec2 passLongest;
 vec3 normalAt(vec2 uv)
 {
     vec2 t = clamp(uv, 0.0, 1.0), s = 1.0 - t;
-    POINT points[COLUMNS * ROWS];
+#ifdef ANY_DEGREE
+    COLUMNS = int(passPlace.w & 0xffu);
+    ROWS = int(passPlace.w >> 8);
+#endif
+    PATCH points;
     fetchPatch(int(passPlace.x), points);
     vec4 point;
     POINT du, dv;

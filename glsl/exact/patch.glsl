@@ -4,7 +4,11 @@
 // runs in the opposite direction has the same two numbers exchanged. All sums and products of a
 // point are ordered such that this exchange does not change a bit of the result.
 
+#ifdef ANY_DEGREE
+const int LONGEST = 16;
+#else
 const int LONGEST = max(COLUMNS, ROWS);
+#endif
 
 // Drivers unroll the loops here if the number of rounds is a constant, also of loops within loops, and if the
 // condition compares the counter itself. Otherwise patches of low degree take up to three times as long.
@@ -82,7 +86,7 @@ float weightedSum(int n, float all, float b[LONGEST])
 }
 
 // The homogeneous point and its derivatives along u and v.
-void evaluate(POINT points[COLUMNS * ROWS], vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
+void evaluate(PATCH points, vec2 t, vec2 s, out vec4 point, out POINT du, out POINT dv)
 {
     float bu[LONGEST], bv[LONGEST], su[LONGEST], sv[LONGEST];
     bernstein(COLUMNS - 1, t.x, s.x, bu);
@@ -95,7 +99,7 @@ void evaluate(POINT points[COLUMNS * ROWS], vec2 t, vec2 s, out vec4 point, out 
         POINT line[LONGEST];
         POINT slope = POINT(0.0);
         for (int column = 0; column < COLUMNS; ++column) {
-            line[column] = points[row * COLUMNS + column];
+            line[column] = pointOf(points, row * COLUMNS + column);
             slope += su[column] * line[column];
         }
         rows[row] = weightedSum(COLUMNS - 1, line, bu);
@@ -139,7 +143,7 @@ void bernsteinBends(int n, float t, float s, out float bend[LONGEST])
 // The normal Sv × Su of a patch whose tangents may vanish or be parallel. There it is the first
 // non-vanishing term of the normal's Taylor series along the diagonal into the patch; the quadratic
 // term omits derivatives above the second. Not of unit length; zero if all terms vanish.
-vec3 patchNormal(POINT points[COLUMNS * ROWS], vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
+vec3 patchNormal(PATCH points, vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
 {
     float bu[LONGEST], bv[LONGEST], su[LONGEST], sv[LONGEST], ru[LONGEST], rv[LONGEST];
     bernstein(COLUMNS - 1, t.x, s.x, bu);
@@ -151,7 +155,7 @@ vec3 patchNormal(POINT points[COLUMNS * ROWS], vec2 t, vec2 s, vec4 point, vec4 
     vec4 duu = vec4(0.0), duv = vec4(0.0), dvv = vec4(0.0);
     for (int row = 0; row < ROWS; ++row) {
         for (int column = 0; column < COLUMNS; ++column) {
-            vec4 p = points[row * COLUMNS + column];
+            vec4 p = pointOf(points, row * COLUMNS + column);
             duu += ru[column] * bv[row] * p;
             duv += su[column] * sv[row] * p;
             dvv += bu[column] * rv[row] * p;

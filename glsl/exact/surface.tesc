@@ -9,7 +9,7 @@ flat in uvec4 cutOfVertex[];
 patch out uvec4 placeOfPatch;
 patch out uvec4 cutOfPatch;
 #ifdef HELD
-patch out POINT pointsOfPatch[COLUMNS * ROWS];
+patch out PATCH pointsOfPatch;
 #endif
 #ifdef DEGENERATE
 patch out vec2 longest; // estimated maximum lengths of the tangents along u and v
@@ -26,8 +26,12 @@ void main()
     uvec4 cut = cutOfVertex[0];
     placeOfPatch = placeOfVertex[0];
     cutOfPatch = cut;
+#ifdef ANY_DEGREE
+    COLUMNS = int(cut.y >> 16 & 0xffu);
+    ROWS = int(cut.y >> 24);
+#endif
 #if defined(HELD) || defined(DEGENERATE)
-    POINT points[COLUMNS * ROWS];
+    PATCH points;
     fetchPatch(int(placeOfVertex[0].x), points);
 #endif
 #ifdef HELD
@@ -39,13 +43,13 @@ void main()
         for (int column = 0; column < COLUMNS; ++column) {
             int i = row * COLUMNS + column;
             if (column + 1 < COLUMNS)
-                longest.x = max(longest.x, apart(points[i], points[i + 1]));
+                longest.x = max(longest.x, apart(pointOf(points, i), pointOf(points, i + 1)));
             if (row + 1 < ROWS)
-                longest.y = max(longest.y, apart(points[i], points[i + COLUMNS]));
+                longest.y = max(longest.y, apart(pointOf(points, i), pointOf(points, i + COLUMNS)));
         }
     longest *= vec2(COLUMNS - 1, ROWS - 1);
 #endif
-    float along_u = float(cut.y & 0xffu), along_v = float(cut.y >> 8);
+    float along_u = float(cut.y & 0xffu), along_v = float(cut.y >> 8 & 0xffu);
     gl_TessLevelOuter[0] = gl_TessLevelOuter[2] = gl_TessLevelInner[1] = along_v;
     gl_TessLevelOuter[1] = gl_TessLevelOuter[3] = gl_TessLevelInner[0] = along_u;
 }

@@ -16,7 +16,7 @@ layout(binding = 7) uniform samplerBuffer domains; // for each patch: first u an
 patch in uvec4 placeOfPatch;
 patch in uvec4 cutOfPatch;
 #ifdef HELD
-patch in POINT pointsOfPatch[COLUMNS * ROWS];
+patch in PATCH pointsOfPatch;
 #endif
 #ifdef DEGENERATE
 patch in vec2 longest;
@@ -72,7 +72,7 @@ void main()
     mat4 toClip = matrix(0), toView = matrix(4);
     mat3 normalToView = mat3(ofSurface(8).xyz, ofSurface(9).xyz, ofSurface(10).xyz);
     vec4 edges = vec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
-    vec2 cells = vec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8);
+    vec2 cells = vec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8 & 0xffu);
     vec2 subPatches = vec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
     vec2 subPatch = vec2(placeOfPatch.w & 0xffffu, placeOfPatch.w >> 16);
     vec2 at = gl_TessCoord.xy;
@@ -80,8 +80,12 @@ void main()
     vec2 v = placeAlong(at.y, at.x, cells.y, edges.x, edges.z, subPatch.y, subPatches.y);
     vec2 t = vec2(u.x, v.x), s = vec2(u.y, v.y);
 
+#ifdef ANY_DEGREE
+    COLUMNS = int(cutOfPatch.y >> 16 & 0xffu);
+    ROWS = int(cutOfPatch.y >> 24);
+#endif
 #ifndef HELD
-    POINT pointsOfPatch[COLUMNS * ROWS];
+    PATCH pointsOfPatch;
     fetchPatch(int(placeOfPatch.x), pointsOfPatch);
 #endif
     vec4 point;
@@ -104,7 +108,7 @@ void main()
     passPatch = placeOfPatch.y;
 #endif
 #ifdef PIXEL_NORMALS
-    passPlace = placeOfPatch;
+    passPlace = uvec4(placeOfPatch.xyz, cutOfPatch.y >> 16); // at last, columns and rows of the patch
 #ifdef DEGENERATE
     passLongest = longest;
 #endif

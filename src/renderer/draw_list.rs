@@ -2,7 +2,7 @@
 //! patches are neighbours, which sub-patches are drawn, and their division into draws. If nothing
 //! has changed since the last frame, only the draw calls are made.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::mem::offset_of;
 use std::ops::Range;
 use std::rc::Rc;
@@ -83,7 +83,8 @@ pub(crate) struct Batch {
     /// The first surface of the batch. Its texture and control points' buffer are bound; other
     /// surfaces of the batch share them.
     pub(crate) surface: usize,
-    pub(crate) degree: Degree,
+    /// `None`: any, which each sub-patch states.
+    pub(crate) degree: Option<Degree>,
     pub(crate) shading: Shading,
     pub(crate) patches: PatchKind,
     pub(crate) painting: Painting,
@@ -95,7 +96,7 @@ pub(crate) struct Batch {
 struct BatchKey {
     points: *const TexelBuffer,
     texture: Option<*const crate::gpu::Texture>,
-    degree: Degree,
+    degree: Option<Degree>,
     shading: Shading,
     patches: PatchKind,
     painting: Painting,
@@ -196,7 +197,9 @@ impl DrawList {
         self.batches.clear();
         self.lists.clear();
         let mut known: HashMap<BatchKey, u32> = HashMap::new();
+        let common = common_degrees(surfaces);
         for (number, surface) in surfaces.iter().enumerate() {
+            let degree = Some(surface.degree()).filter(|degree| common.contains(degree));
             let painting = match surface.texture() {
                 None => Painting::Color,
                 Some(_) if surface.surface().nurbs().is_some() => Painting::PictureOverDomain,
@@ -204,10 +207,12 @@ impl DrawList {
             };
             let batches = &mut self.batches;
             let mut list = |patches: PatchKind, trims: TrimFeatures| {
+                // The program of any degree is the most general one.
+                let patches = if degree.is_some() { patches } else { PatchKind::Degenerate };
                 let key = BatchKey {
                     points: Rc::as_ptr(surface.uploaded_points().texels()),
                     texture: surface.texture().map(Rc::as_ptr),
-                    degree: surface.degree(),
+                    degree,
                     shading: surface.shading(),
                     patches,
                     painting,
@@ -216,7 +221,7 @@ impl DrawList {
                 *known.entry(key).or_insert_with(|| {
                     batches.push(Batch {
                         surface: number,
-                        degree: surface.degree(),
+                        degree,
                         shading: surface.shading(),
                         patches,
                         painting,
@@ -346,6 +351,27 @@ impl DrawList {
         }
         Ok(())
     }
+}
+
+/// The degrees whose patches are drawn by programs of their own: all, unless there are many. Of many, all but the most
+/// frequent ones share a program. It takes longer to draw, but a program takes long to compile.
+fn common_degrees(surfaces: &[PreparedSurface]) -> Vec<Degree> {
+    /// The largest number of degrees that all have programs of their own, besides 4×4 and 5×5 points.
+    const FEW: usize = 4;
+    /// How many have their own if there are more.
+    const OF_MANY: usize = 3;
+    let mut counts: BTreeMap<Degree, usize> = BTreeMap::new();
+    for surface in surfaces {
+        *counts.entry(surface.degree()).or_default() += surface.cones().len();
+    }
+    let is_usual = |degree: &Degree| [Degree::CUBIC, Degree::QUARTIC].contains(degree);
+    let (mut common, mut others): (Vec<_>, Vec<_>) =
+        counts.into_iter().partition(|(degree, _)| is_usual(degree));
+    // The order of degrees with equal counts must not depend on anything else.
+    others.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    let own = if others.len() > FEW { OF_MANY } else { FEW };
+    common.extend(others.into_iter().take(own));
+    common.into_iter().map(|(degree, _)| degree).collect()
 }
 
 /// Writes the values that differ from the contents `old` of a buffer: each run of changed values

@@ -18,8 +18,8 @@ use crate::mesh::{Corner, Smoothing};
 use crate::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
 use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
 use crate::tessellation::{
-    FrameStats, Rounding, Screen, Tessellated, TriangleBound, raise,
-    triangles_of_triangle, vertices_of_triangle,
+    FrameStats, Rounding, Screen, Tessellated, TriangleBound, raise, triangles_of_triangle,
+    vertices_of_triangle,
 };
 
 /// A corner of a flat triangle as `triangles/triangle.vert` reads it.

@@ -52,7 +52,7 @@ pub(crate) struct SubPatch {
     pub(crate) place: u32,
     /// Levels of its four edges, 8 bits each in the order of `gl_TessLevelOuter`.
     pub(crate) edges: u32,
-    /// Cells along u and v, 8 bits each.
+    /// From bit 0, 8 bits each: cells along u and v, columns and rows of the patch's control points.
     pub(crate) cells: u32,
     /// Number of the patch's sub-patches along u (from bit 0) and v (from bit 16).
     pub(crate) sub_patches: u32,
@@ -60,14 +60,22 @@ pub(crate) struct SubPatch {
     pub(crate) trims: u32,
 }
 
+impl SubPatch {
+    const fn cells_along(&self) -> [u32; 2] {
+        [self.cells & 0xff, self.cells >> 8 & 0xff]
+    }
+}
+
 impl Tessellated for SubPatch {
     fn vertices(&self) -> u32 {
-        ((self.cells & 0xff) + 1) * ((self.cells >> 8) + 1)
+        let [along_u, along_v] = self.cells_along();
+        (along_u + 1) * (along_v + 1)
     }
 
     /// Degenerate triangles along coarser edges count too.
     fn triangles(&self) -> u64 {
-        2 * u64::from(self.cells & 0xff) * u64::from(self.cells >> 8)
+        let [along_u, along_v] = self.cells_along();
+        2 * u64::from(along_u) * u64::from(along_v)
     }
 }
 
@@ -544,7 +552,10 @@ impl Plan {
             surface: surface.number,
             place: place[0] | place[1] << 16,
             edges: edges[0] | edges[1] << 8 | edges[2] << 16 | edges[3] << 24,
-            cells: cells[0] | cells[1] << 8,
+            cells: cells[0]
+                | cells[1] << 8
+                | (surface.degree.columns() as u32) << 16
+                | (surface.degree.rows() as u32) << 24,
             sub_patches: sides[0] | sides[1] << 16,
             trims,
         };

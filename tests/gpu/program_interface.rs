@@ -229,6 +229,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
                 (true, false) => Painting::Picture,
                 (true, true) => Painting::PictureOverDomain,
             };
+            let degree = Some(degree).filter(|_| !has(5));
             let pipeline = Pipeline::Exact { degree, samples, patches, painting, normals };
             let key =
                 ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };

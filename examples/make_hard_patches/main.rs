@@ -1,7 +1,9 @@
 //! Makes the stability scenes of tessellation whose control points are computed: the same bump at
-//! several sizes and places, surfaces of revolution, and sheets of patches that share edges.
+//! several sizes and places, surfaces of revolution, sheets of patches that share edges, and NURBS surfaces.
 //!
 //! `cargo run --release --example make_hard_patches` writes them to `resources/scenes/stability`.
+
+mod nurbs;
 
 use glam::{DVec2, DVec3, DVec4, Vec3Swizzles, dvec2, dvec3};
 
@@ -29,10 +31,15 @@ fn main() -> std::io::Result<()> {
         torus(),
         mixed_degrees(),
         weights_along_an_edge(),
+        many_degrees(),
     ] {
         std::fs::write(format!("{folder}/tess-{}.toml", scene.name), scene.text())?;
     }
-    Ok(())
+    for scene in nurbs::scenes() {
+        std::fs::write(format!("{folder}/nurbs-{}.toml", scene.name), scene.text())?;
+    }
+    std::fs::write(format!("{folder}/nurbs-many-points.toml"), nurbs::MANY_POINTS)?;
+    std::fs::write(format!("{folder}/nurbs-many-points.obj"), nurbs::many_points())
 }
 
 struct Scene {
@@ -47,18 +54,26 @@ struct Scene {
 struct Patch {
     /// Along u and v, if it is not that of 4×4 or 5×5 points.
     degree: Option<[usize; 2]>,
+    /// Of a NURBS surface.
+    knots: Option<[Vec<f64>; 2]>,
     points: Vec<DVec4>,
     color: [f64; 3],
     translate: Option<DVec3>,
+    /// More lines of its table, and its trims.
+    more: &'static str,
 }
 
 impl Scene {
     fn text(&self) -> String {
         let Self { about, camera, .. } = self;
         let mut text =
-            format!("# {about}\n# Made by examples/make_hard_patches.rs.\n\n[camera]\n{camera}\n");
-        for Patch { degree, points, color, translate } in &self.patches {
-            let columns = degree.map_or(points.len().isqrt(), |[u, _]| u + 1);
+            format!("# {about}\n# Made by examples/make_hard_patches.\n\n[camera]\n{camera}\n");
+        for Patch { degree, knots, points, color, translate, more } in &self.patches {
+            let columns = match (degree, knots) {
+                (Some([u, _]), Some([knots, _])) => knots.len() - u - 1,
+                (Some([u, _]), None) => u + 1,
+                (None, _) => points.len().isqrt(),
+            };
             let rows = points.chunks(columns).map(|row| {
                 let row: Vec<String> = row.iter().copied().map(list).collect();
                 format!("    {},\n", row.join(", "))
@@ -67,12 +82,16 @@ impl Scene {
             if let Some(degree) = degree {
                 text += &format!("degree = {degree:?}\n");
             }
+            if let Some([u, v]) = knots {
+                text += &format!("knots = [{u:?}, {v:?}]\n");
+            }
             text += "control_points = [\n";
             text.extend(rows);
             text += &format!("]\ncolor = {color:?}\n");
             if let Some(translate) = translate {
                 text += &format!("translate = {}\n", list(translate.extend(1.0)));
             }
+            text += more;
         }
         text
     }
@@ -81,11 +100,15 @@ impl Scene {
 impl Patch {
     fn new(points: Vec<DVec3>, color: [f64; 3]) -> Self {
         let points = points.into_iter().map(|point| point.extend(1.0)).collect();
-        Self { degree: None, points, color, translate: None }
+        Self { degree: None, knots: None, points, color, translate: None, more: "" }
+    }
+
+    fn weighted(points: Vec<DVec4>, color: [f64; 3]) -> Self {
+        Self { points, ..Self::new(Vec::new(), color) }
     }
 
     fn of_degree(degree: [usize; 2], points: Vec<DVec4>, color: [f64; 3]) -> Self {
-        Self { degree: Some(degree), points, color, translate: None }
+        Self { degree: Some(degree), ..Self::weighted(points, color) }
     }
 }
 
@@ -192,7 +215,7 @@ fn rational_sphere() -> Scene {
             place.extend(weights[i / 4] * weights[i % 4])
         });
         let color = [ORANGE, BLUE][(number + number / 4) % 2];
-        Patch { degree: None, points: points.collect(), color, translate: None }
+        Patch::weighted(points.collect(), color)
     };
     Scene {
         name: "rational-sphere",
@@ -407,5 +430,31 @@ fn weights_along_an_edge() -> Scene {
         about: "Weights from 1e-3 to 1e3 along the edge that two patches of different degrees share.",
         camera: "eye = [1.6, 1.5, 1.4]\ntarget = [1.0, 0.0, -0.5]",
         patches: vec![Patch::of_degree([3, 4], near, ORANGE), Patch::of_degree([2, 4], far, BLUE)],
+    }
+}
+
+fn many_degrees() -> Scene {
+    let height = |x: f64, z: f64| 0.4 * (1.7 * x).sin() * (1.3 * z).cos();
+    let patch = |[column, row]: [usize; 2]| {
+        let [u, v] = [column + 1, row + 1];
+        let mut points: Vec<DVec4> = (0..(u + 1) * (v + 1))
+            .map(|i| {
+                let x = column as f64 + (i % (u + 1)) as f64 / u as f64;
+                let z = row as f64 + (i / (u + 1)) as f64 / v as f64;
+                dvec3(x, height(x, z), -z).map(|x| (x * 1e4).round() / 1e4).extend(1.0)
+            })
+            .collect();
+        if (column + row) % 3 == 0 {
+            let is_inner = |i: usize| i % (u + 1) % u != 0 && i / (u + 1) % v != 0;
+            (0..points.len()).filter(|i| is_inner(*i)).for_each(|i| points[i].w = 1.5);
+        }
+        Patch::of_degree([u, v], points, checkered([column, row]))
+    };
+    Scene {
+        name: "many-degrees",
+        about: "A patch for each of 30 pairs of degrees, side by side; some have weights. Not every pair gets a\n\
+                # program of its own, and no crack may show.",
+        camera: "eye = [5.0, 8.0, 6.0]\ntarget = [5.0, 0.0, -1.5]",
+        patches: (0..30).map(|i| patch([i % 10, i / 10])).collect(),
     }
 }
