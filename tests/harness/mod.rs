@@ -8,6 +8,7 @@ pub mod patches;
 #[cfg(feature = "cli")]
 pub mod program;
 pub mod stage;
+pub mod trim_text;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
