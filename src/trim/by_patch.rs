@@ -289,3 +289,123 @@ impl Segment {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec2;
+    use proptest::prelude::*;
+
+    /// Where patches begin and end.
+    fn spans() -> impl Strategy<Value = Vec<[f64; 2]>> {
+        (-3.0..3.0, prop::collection::vec(0.001..1.0_f64, 1..9)).prop_map(|(first, steps)| {
+            let mut knot = first;
+            let span = |step: &f64| {
+                let before = knot;
+                knot += step;
+                [before, knot]
+            };
+            steps.iter().map(span).collect()
+        })
+    }
+
+    /// Places as shares of the domain, some of them beyond it.
+    fn places(count: usize) -> impl Strategy<Value = Vec<DVec2>> {
+        prop::collection::vec((-0.4..1.4, -0.4..1.4).prop_map(|(u, v)| dvec2(u, v)), count)
+    }
+
+    /// A loop of a line, a quadratic and two cubics.
+    fn loop_of(points: &[DVec2]) -> TrimLoop {
+        let p = |i: usize| points[i % 9];
+        let segments = vec![
+            Segment::Line([p(0), p(1)]),
+            Segment::Quadratic([p(1), p(2), p(3)]),
+            Segment::Cubic([p(3), p(4), p(5), p(6)]),
+            Segment::Cubic([p(6), p(7), p(8), p(0)]),
+        ];
+        TrimLoop::new(segments).unwrap()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+
+        #[test]
+        fn patches_are_cut_as_the_whole_surface_is(
+            columns in spans(),
+            rows in spans(),
+            points in prop::collection::vec(places(9), 0..4),
+            round in prop::collection::vec((-0.2..1.2, -0.2..1.2, 0.01..0.6, 0.01..0.6), 0..3),
+            rule in any::<bool>(),
+            keep in any::<bool>(),
+            samples in places(100),
+        ) {
+            let low = dvec2(columns[0][0], rows[0][0]);
+            let high = dvec2(columns[columns.len() - 1][1], rows[rows.len() - 1][1]);
+            let place = |share: DVec2| low + share * (high - low);
+            let mut trims = Trims::default();
+            trims.keep = if keep { Keep::Inside } else { Keep::Outside };
+            for (i, points) in points.iter().enumerate() {
+                let one = loop_of(&points.iter().map(|share| place(*share)).collect::<Vec<_>>());
+                if i == 1 {
+                    let rule = if rule { FillRule::NonZero } else { FillRule::EvenOdd };
+                    trims.paths.push(TrimPath { loops: vec![one], rule });
+                } else {
+                    trims.loops.push(one);
+                }
+            }
+            for (i, (u, v, a, b)) in round.into_iter().enumerate() {
+                let (center, radii) = (place(dvec2(u, v)), dvec2(a, b) * (high - low));
+                match i {
+                    0 => trims.ellipses.push(Ellipse { center, radii }),
+                    1 => trims.circles.push(Circle { center, radius: radii.min_element() }),
+                    _ => {
+                        let (from, to) = (center - radii, center + radii);
+                        trims.rects.push(Rect { u: dvec2(from.x, to.x), v: dvec2(from.y, to.y) });
+                    }
+                }
+            }
+            let by_patch = trims_by_patch(&trims, &columns, &rows);
+            for (number, patch) in by_patch.iter().enumerate() {
+                let (u, v) = (columns[number % columns.len()], rows[number / columns.len()]);
+                let (first, last) = (dvec2(u[0], v[0]), dvec2(u[1], v[1]));
+                for share in samples.iter().map(|share| share.fract().abs()) {
+                    let at = first + share * (last - first);
+                    let found = match patch {
+                        PatchTrims::Kept => false,
+                        PatchTrims::Gone => true,
+                        PatchTrims::Cut(own) => own.cut(share),
+                    };
+                    // Within rounding of a border, either is right.
+                    let near = [-1e-9, 1e-9].map(|off| trims.cut(at + off * (high - low)));
+                    if near == [trims.cut(at); 2] {
+                        prop_assert_eq!(found, trims.cut(at), "patch {} at {}", number, at);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_reach_a_patch_is_left_out() {
+        // A fine polygon over 30 × 30 patches: most patches hold few of its 600 lines, and many need no trims at all.
+        let corner = |i: usize| {
+            let angle = std::f64::consts::TAU * i as f64 / 600.0;
+            dvec2(15.0, 15.0) + 10.0 * dvec2(angle.cos(), angle.sin())
+        };
+        let lines = (0..600).map(|i| Segment::Line([corner(i), corner((i + 1) % 600)])).collect();
+        let trims = Trims { loops: vec![TrimLoop::new(lines).unwrap()], ..Trims::default() };
+        let spans: Vec<[f64; 2]> = (0..30).map(|i| [f64::from(i), f64::from(i) + 1.0]).collect();
+        let by_patch = trims_by_patch(&trims, &spans, &spans);
+        let cut: Vec<usize> = by_patch
+            .iter()
+            .filter_map(|patch| match patch {
+                PatchTrims::Cut(trims) => Some(trims.segment_count()),
+                _ => None,
+            })
+            .collect();
+        assert!(cut.len() < 100, "{} patches are cut", cut.len());
+        assert!(cut.iter().all(|count| *count < 60), "{cut:?}");
+        let gone = by_patch.iter().filter(|patch| **patch == PatchTrims::Gone).count();
+        assert!((230..314).contains(&gone), "{gone}");
+    }
+}

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3, DVec4, UVec2, uvec2};
 use super::trim_curves::{EITHER_WAY, check_pixels, cut_by_gpu};
 use crate::harness::neighbours::{check_insides, check_neighbours};
 use crate::harness::patches::{scene_of, within};
-use crate::harness::trim_text::{TrimText, basis_functions};
+use crate::harness::trim_text::{TrimText, by_definition};
 use crate::harness::{Stage, load, root};
 
 /// The scenes that show curved surfaces.
@@ -149,20 +149,6 @@ fn trims_over_a_curved_surface_are_right_at_every_pixel() {
         assert!(kept > 500_000 && cut_away > 100_000, "{name}: {kept} kept, {cut_away} cut");
         assert!(close < 100, "{name}: {close}");
     }
-}
-
-/// The surface point by basis functions on the knots of the text.
-fn by_definition(nurbs: &NurbsSurface, place: DVec2) -> DVec3 {
-    let [u, v] = nurbs.knots();
-    let along_u = basis_functions(nurbs.degree().u(), u, place.x);
-    let along_v = basis_functions(nurbs.degree().v(), v, place.y);
-    let mut sum = DVec4::ZERO;
-    for (row, b) in nurbs.control_points().chunks(nurbs.columns()).zip(&along_v) {
-        for (point, a) in row.iter().zip(&along_u) {
-            sum += (point.truncate() * point.w).extend(point.w) * (a * b);
-        }
-    }
-    sum.truncate() / sum.w
 }
 
 #[test]

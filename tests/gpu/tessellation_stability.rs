@@ -144,6 +144,11 @@ fn neighbours_of_different_degrees() {
 }
 
 #[test]
+fn neighbours_of_thirty_degrees() {
+    check_degrees("many-degrees");
+}
+
+#[test]
 fn weights_from_1e_3_to_1e3_along_an_edge() {
     check_degrees("weights-along-an-edge");
 }

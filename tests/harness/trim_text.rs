@@ -1,7 +1,8 @@
-//! The trims of a scene's only surface, read from its text and decided without the library: curves are evaluated with
-//! their own knots, and circles, ellipses and rectangles by their equations.
+//! B-splines by their definition; and the trims of a scene's only surface, read from its text and decided without the
+//! library: curves are evaluated with their own knots, and circles, ellipses and rectangles by their equations.
 
-use glam::{DVec2, DVec3};
+use freeform_surface::NurbsSurface;
+use glam::{DVec2, DVec3, DVec4};
 
 /// A B-spline curve as the text has it; a Bézier curve has the knots 0 and 1.
 struct Curve {
@@ -12,7 +13,7 @@ struct Curve {
 }
 
 /// The B-spline basis functions at a parameter, by the recursion of Cox and de Boor.
-pub fn basis_functions(degree: usize, knots: &[f64], t: f64) -> Vec<f64> {
+fn basis_functions(degree: usize, knots: &[f64], t: f64) -> Vec<f64> {
     let count = knots.len() - degree - 1;
     let span = (degree..count).rev().find(|i| knots[*i] <= t && knots[*i] < knots[i + 1]);
     let span = span.expect("a parameter of the domain");
@@ -30,6 +31,20 @@ pub fn basis_functions(degree: usize, knots: &[f64], t: f64) -> Vec<f64> {
     }
     basis.truncate(count);
     basis
+}
+
+/// The point of a surface by its definition.
+pub fn by_definition(nurbs: &NurbsSurface, place: DVec2) -> DVec3 {
+    let [u, v] = nurbs.knots();
+    let along_u = basis_functions(nurbs.degree().u(), u, place.x);
+    let along_v = basis_functions(nurbs.degree().v(), v, place.y);
+    let mut sum = DVec4::ZERO;
+    for (row, b) in nurbs.control_points().chunks(nurbs.columns()).zip(&along_v) {
+        for (point, a) in row.iter().zip(&along_u) {
+            sum += (point.truncate() * point.w).extend(point.w) * (a * b);
+        }
+    }
+    sum.truncate() / sum.w
 }
 
 impl Curve {

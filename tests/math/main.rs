@@ -1,11 +1,16 @@
 //! Tests of everything that is computed without OpenGL: trims, meshes and files. Also compares the imports of
 //! the source with the tables of `ARCHITECTURE.md`.
 
+#[path = "../harness/trim_text.rs"]
+#[allow(dead_code, unreachable_pub, reason = "each crate of tests uses a part of it")]
+mod trim_text;
+
 mod convergence;
 mod mesh_borders;
 mod mesh_convergence;
 mod mesh_faults;
 mod meshes;
+mod nurbs;
 mod obj_meshes;
 mod obj_scenes;
 mod rooms;
