@@ -1,4 +1,4 @@
-//! Wavefront OBJ: triangle meshes with their materials, and Bézier surfaces.
+//! Wavefront OBJ: triangle meshes with their materials, and Bézier and B-spline surfaces with their trims.
 //!
 //! The parser is our own because tobj 4.0.5 has several problems. Its errors have no line. It accepts NaN, index 0 of
 //! a normal, and faces of two corners. It panics on some indices and reads lines of any length into memory. It
@@ -24,7 +24,7 @@ use reader::Obj;
 
 /// The content of a file.
 pub(super) struct ObjScene {
-    /// Its Bézier surfaces; patches of the same degree share a surface.
+    /// Its free-form surfaces. Bézier patches of the same degree share a surface; they come first.
     pub(super) surfaces: Vec<Surface>,
     /// Its faces.
     pub(super) model: Option<MeshModel>,
@@ -107,11 +107,14 @@ fn scene_of(
     Ok(ObjScene { surfaces, model: Some(model), files })
 }
 
-/// Reads a file's Bézier surfaces; a file without any is refused.
+/// Reads a file's free-form surfaces; a file without any is refused.
 pub(super) fn load_surfaces(path: &Path) -> Result<Vec<Surface>> {
     let surfaces = open(path)?.take_surfaces(path)?;
     if surfaces.is_empty() {
-        return Err(unreadable(path, "it has no Bézier surface; expected the file of a [[mesh]]"));
+        return Err(unreadable(
+            path,
+            "it has no free-form surface; expected the file of a [[mesh]]",
+        ));
     }
     Ok(surfaces)
 }
