@@ -141,18 +141,28 @@ impl TrimLoop {
     /// of the domain.
     ///
     /// # Errors
-    /// As [`TrimLoop::from_curves`]; lines that close gaps count as segments.
+    /// As [`TrimLoop::from_curves`], where lines that close gaps count as segments; a larger gap. Curves are numbered
+    /// from 0.
     pub(crate) fn from_curves_with_gaps(
         curves: Vec<TrimCurve>,
         sizes: &ParameterSizes,
         max_gap: f64,
     ) -> Result<Self> {
         let ends: Vec<[DVec2; 2]> = curves.iter().map(TrimCurve::ends).collect();
-        let starts = ends.iter().cycle().skip(1).map(|[start, _]| *start);
         let mut chain = Vec::with_capacity(curves.len());
-        for ((curve, [_, end]), start) in curves.into_iter().zip(&ends).zip(starts) {
+        for (i, curve) in curves.into_iter().enumerate() {
             chain.push(curve);
-            if (SNAP..=max_gap).contains(&((start - end) / sizes.domain).length()) {
+            let next = (i + 1) % ends.len();
+            let (end, start) = (ends[i][1], ends[next][0]);
+            let gap = ((start - end) / sizes.domain).length();
+            if gap > max_gap {
+                return Err(Error::invalid(
+                    format!("gap between the end of curve {i} and the start of curve {next}"),
+                    end.distance(start),
+                    format!("at most {max_gap} of the domain: a closed loop"),
+                ));
+            }
+            if gap >= SNAP {
                 chain.push(TrimCurve::bezier(&[end.extend(1.0), start.extend(1.0)])?);
             }
         }

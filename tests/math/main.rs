@@ -6,6 +6,7 @@ mod mesh_borders;
 mod mesh_convergence;
 mod mesh_faults;
 mod meshes;
+mod obj_freeform;
 mod obj_meshes;
 mod obj_scenes;
 mod rooms;

@@ -17,6 +17,8 @@ const MAX_PATCH_POINTS: usize = 1 << 24;
 /// The maximum number of segments of all trimming loops of a file: 300 MiB. Loops may share curves, so that their text
 /// may be short.
 const MAX_SEGMENTS: usize = 1 << 22;
+/// The maximum number of Bézier curves of a loop, each of which becomes one segment or more.
+const MAX_PIECES: usize = 1 << 20;
 /// Gaps between consecutive trimming curves up to this share of the domain are closed by a line. Programs join these
 /// curves within a tolerance in space, and write them with few digits.
 const MAX_GAP: f64 = 1e-3;
@@ -156,12 +158,16 @@ impl FreeForm {
     }
 }
 
+fn check_count(name: &str, count: usize, max: usize) -> Result<(), Error> {
+    if count > max { Err(Error::invalid(name, count, format!("at most {max}"))) } else { Ok(()) }
+}
+
 /// How much the surfaces of a file have taken of what is limited.
 #[derive(Default)]
 struct Used {
     patch_points: usize,
     segments: usize,
-    /// Bézier curves of the loop that is being read; each becomes at least one segment.
+    /// Bézier curves of the loop that is being read.
     pieces_of_loop: usize,
 }
 
@@ -185,20 +191,12 @@ impl Used {
 
     fn add_pieces(&mut self, count: usize) -> Result<(), Error> {
         self.pieces_of_loop += count;
-        self.check_segments(self.segments + self.pieces_of_loop)
+        check_count("number of Bézier curves of the loop", self.pieces_of_loop, MAX_PIECES)
     }
 
     fn add_segments(&mut self, count: usize) -> Result<(), Error> {
         self.segments += count;
-        self.check_segments(self.segments)
-    }
-
-    fn check_segments(&self, count: usize) -> Result<(), Error> {
-        if count <= MAX_SEGMENTS {
-            return Ok(());
-        }
-        let expected = format!("at most {MAX_SEGMENTS}");
-        Err(Error::invalid("number of segments of all loops of the file", count, expected))
+        check_count("number of segments of all loops of the file", self.segments, MAX_SEGMENTS)
     }
 }
 
