@@ -8,6 +8,7 @@ mod freeform;
 mod material;
 mod polygon;
 mod reader;
+mod write;
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -21,6 +22,7 @@ use crate::mesh::{Corner, CreaseAngle, Mesh, SharedBorders, Smoothing, weld};
 use crate::scene::MeshModel;
 use material::Materials;
 use reader::Obj;
+pub(super) use write::surface_text;
 
 /// The content of a file.
 pub(super) struct ObjScene {

@@ -605,7 +605,7 @@ fn short_texts_of_large_surfaces_and_loops_are_refused() {
         ),
         (format!("trim{}\ntrim{}\n", all.repeat(9), all.repeat(2)), "loop 1, segment 100000"),
         // A part of a long curve takes no time.
-        ("trim 5 6 1\n".repeat(50_000), ""),
+        ("trim 4 6 1\n".repeat(50_000), ""),
     ] {
         let read = scene(&format!("{curve}{SHEET}{trims}end\n"));
         match words {
@@ -669,4 +669,50 @@ fn a_scene_keeps_the_trims_of_its_files() {
         let said = load(&table).unwrap_err().to_string();
         assert!(words.iter().all(|words| said.contains(words)), "{table}: {said}");
     }
+}
+
+#[test]
+fn surfaces_that_do_not_fit_in_a_scene_are_written_as_obj_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let uneven = |i: usize| 1.0 / (1.0 + (i % 7) as f64);
+    let (patches, _) = net(4, 8, uneven);
+    let surf = "surf 0 1 0 1";
+    let patches = format!(
+        "{patches}cstype rat bezier\ndeg 3 3\n{surf} {}\nend\n{surf} {}\nend\n",
+        numbers(1..=16),
+        numbers(17..=32)
+    );
+    let large = |weight: fn(usize) -> f64| {
+        let side = 100;
+        let (net, _) = net(side, side, weight);
+        let knots: Vec<f64> = (0..side + 4).map(|i| (i as f64).sqrt() / 3.0).collect();
+        let range = format!("{:?} {:?}", knots[3], knots[side]);
+        format!(
+            "{net}cstype rat bspline\ndeg 3 3\nsurf {range} {range} {}\nparm u{knots}\nparm v{knots}\n",
+            numbers(1..=side * side),
+            knots = words(&knots)
+        )
+    };
+    let triangle =
+        "vp 1 1\nvp 2 1\nvp 1 2\ncstype bezier\ndeg 1\ncurv2 1 2 3 1\nparm u 0 1 2 3\nend\n";
+    let trimmed = format!("{triangle}{}trim 0 3 1\nend\n", large(uneven));
+    let all =
+        [patches, format!("{}end\n", large(uneven)), format!("{}end\n", large(|_| 1.0)), trimmed];
+    for (i, text) in all.iter().enumerate() {
+        let scene = read(text);
+        let path = folder.path().join(format!("written{i}.toml"));
+        let written = scene.to_toml(&path).unwrap();
+        let [(name, bytes)] = &written.files[..] else { panic!("{} files", written.files.len()) };
+        assert!(name.ends_with(format!("written{i}-1.obj")), "{name:?}");
+        std::fs::write(name, bytes).unwrap();
+        let again = Scene::from_toml(&written.text, &path).unwrap();
+        assert!(again.surfaces == scene.surfaces, "{i}");
+        // The file that was written is named when the scene is written again.
+        let twice = again.to_toml(&path).unwrap();
+        assert_eq!((&twice.text, twice.files.len()), (&written.text, 0));
+    }
+    // A file that has trims of its own is not named: they are written beside their surface.
+    let path = folder.path().join("trimmed.obj");
+    std::fs::write(&path, &all[3]).unwrap();
+    assert_eq!(Scene::load(&path).unwrap().to_toml(&path).unwrap().files.len(), 1);
 }

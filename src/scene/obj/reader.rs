@@ -14,7 +14,7 @@ use crate::mesh::{Corner, Mesh};
 use crate::scene::{bpt::shortened, file::unreadable};
 
 /// The maximum length of a line in bytes, including its continuation lines: a face of some ten thousand corners.
-const MAX_LINE: usize = 1 << 20;
+pub(super) const MAX_LINE: usize = 1 << 20;
 
 /// Everything that was read so far.
 #[derive(Default)]
