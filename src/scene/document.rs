@@ -30,8 +30,8 @@ use crate::trim::{Keep, Trims};
 use trims::{PlacedTrims, TrimPlaces};
 
 /// The maximum number of bytes of one `[[surface]]` with its trims. Of each string, only the first `MAX_STRING_BYTES`
-/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt file, a
-/// long trim in a `path`.
+/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt or .obj file,
+/// a long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 const MAX_STRING_BYTES: usize = 64;
 
@@ -110,7 +110,7 @@ pub(super) fn check_surface(text: &str) -> Result<()> {
             "text up to the next [[surface]]",
             format!("{size} bytes, without those of long strings"),
             format!(
-                "at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file, a long trim in a \
+                "at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt or .obj file, a long trim in a \
                  path, many paths with rules in an SVG file"
             ),
         ));
@@ -217,7 +217,7 @@ impl Builder<'_> {
     }
 
     /// The surfaces of one table, and where its trims are in the text. There is more than one surface if the table's
-    /// file contains patches of two degrees.
+    /// file contains patches of two degrees, or several NURBS surfaces.
     fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, TrimPlaces)> {
         let start = table.span().start;
         let table = table.into_inner();

@@ -38,7 +38,7 @@ pub(in crate::scene) fn surface_text(surface: &Surface) -> Result<String> {
         let expected = "few enough to be named in one line of OBJ, of 1 MiB";
         return Err(Error::invalid("number of control points", points.len(), expected));
     }
-    let [u, v] = nurbs.knots().each_ref().map(|knots| words(knots));
+    let [u, v] = nurbs.knots().each_ref().map(words);
     let _ = writeln!(text, "{surf}\nparm u{u}\nparm v{v}\nend");
     Ok(text)
 }
