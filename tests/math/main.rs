@@ -7,6 +7,7 @@ mod mesh_convergence;
 mod mesh_faults;
 mod meshes;
 mod obj_freeform;
+mod obj_freeform_faults;
 mod obj_meshes;
 mod obj_scenes;
 mod rooms;
