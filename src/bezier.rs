@@ -22,7 +22,7 @@ mod split;
 use glam::{DVec3, DVec4};
 
 pub(crate) use bounds::bounding_box;
-pub(crate) use bspline::{bezier_curves, check_knots};
+pub(crate) use bspline::{bezier_curves, check_knots, knots_of_bezier_curves, points_between};
 pub(crate) use elevate::elevate_to_square;
 pub use nurbs::NurbsSurface;
 pub(crate) use nurbs::PatchGrid;

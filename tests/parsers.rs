@@ -8,7 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use freeform_surface::inspect::TrimGrid;
-use freeform_surface::{CreaseAngle, Degree, Mesh, Scene, TrimLoop, Trims};
+use freeform_surface::{CreaseAngle, Degree, LoadOptions, Mesh, Scene, TrimLoop, Trims};
 use glam::vec2;
 use proptest::prelude::*;
 
@@ -99,6 +99,11 @@ keep = "inside"
 path = "M0 0H1V1H0Z m.2 .2 l.1 0 q.1.1 0 .2 t-.1 0z M.5.5c.1 0 .2.1.2.2s-.1.2-.2 0A.1.2 30 0 1 .5.5Z"
 "#;
 
+const FREE_FORM: &str = "v 0 0 0 1\nv 1 0 0 0.5\nv 0 1 0\nv 1 1 1 2\nvp 0.2 0.2\nvp 0.8 0.2 0.5\nvp 0.5 0.8\n\
+    cstype rat bspline\ndeg 2\ncurv2 1 2 3 1\nparm u 0 0 0 1 2 2 2\nend\ncstype bezier\ndeg 1 1\ncurv2 -3 -2 -1 -3\n\
+    parm u 0 1 2 3\nend\nsurf 0 2 0 1 1 2 3 4\nparm u 0 2\ntrim 0.5 1.5 1 0 1 2\nhole 3 0 2\nend\n\
+    cstype rat bspline\nsurf 0 1 0 1 -4 -3/1 -2//1 -1\nparm u 0 0 1 1\nparm v 0 0 1 1\ntrim 0 2 1\nend\n";
+
 #[test]
 fn an_error_of_a_file_holds_the_error_of_the_system() {
     let error = Scene::load("none.toml".as_ref()).unwrap_err();
@@ -137,6 +142,18 @@ proptest! {
         let _turn = TURN.lock();
         let end = (start + length).min(SCENE.len());
         parse(&format!("{}{piece}{}", &SCENE[..start], &SCENE[end..]));
+    }
+
+    #[test]
+    fn a_free_form_surface_with_a_piece_replaced_gets_an_answer(
+        start in 0..FREE_FORM.len(), length in 0usize..30, piece in "[-+.0-9a-z \n]{0,12}"
+    ) {
+        let _turn = TURN.lock();
+        let end = (start + length).min(FREE_FORM.len());
+        let text = format!("v 0 0 0\n{}{piece}{}", &FREE_FORM[..start], &FREE_FORM[end..]);
+        if let Err(error) = Scene::from_text(&text, Path::new("x.obj"), &LoadOptions::default()) {
+            assert_eq!(error.to_string().lines().count(), 1, "{error}");
+        }
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! B-spline curves as Bézier curves.
 
+use std::ops::Range;
+
 use crate::bezier::Degree;
 use crate::error::{Error, Result};
 
@@ -118,17 +120,40 @@ fn factors(degree: usize, knots: &[f64], span: usize, i: usize) -> Vec<f64> {
     (0..=degree).map(one).collect()
 }
 
-/// The Bézier curves of a B-spline curve, one for each span. Neighbours share their common end bit for bit where the
-/// curve is continuous.
-pub(crate) fn bezier_curves<T: Blend>(degree: usize, knots: &[f64], points: &[T]) -> Vec<Vec<T>> {
+/// The Bézier curves of a B-spline curve, one for each span, with the parameters where they begin and end. Neighbours
+/// share their common end bit for bit where the curve is continuous.
+pub(crate) fn bezier_curves<T: Blend>(
+    degree: usize,
+    knots: &[f64],
+    points: &[T],
+) -> Vec<([f64; 2], Vec<T>)> {
     let spans = spans(degree, knots);
-    let mut curves: Vec<Vec<T>> = spans.iter().map(|span| span.bezier(points).collect()).collect();
+    let curve = |span: &Span| (span.ends, span.bezier(points).collect::<Vec<T>>());
+    let mut curves: Vec<_> = spans.iter().map(curve).collect();
     for i in 1..curves.len() {
         if spans[i - 1].continues {
-            curves[i - 1][degree] = curves[i][0];
+            curves[i - 1].1[degree] = curves[i].1[0];
         }
     }
     curves
+}
+
+/// The control points that a B-spline curve depends on between two parameters `low` < `high` of its domain. With the
+/// knots from the first of them on, degree + 1 more than points, they are a B-spline curve too, which agrees with the
+/// given one there.
+pub(crate) fn points_between(degree: usize, knots: &[f64], [low, high]: [f64; 2]) -> Range<usize> {
+    let inside = &knots[degree..knots.len() - degree];
+    // The span that begins at the last knot up to `low`, and the one that begins at the last knot before `high`.
+    let first = inside.partition_point(|knot| *knot <= low).saturating_sub(1);
+    let last = inside.partition_point(|knot| *knot < high).saturating_sub(1).max(first);
+    first..last + degree + 1
+}
+
+/// The knots of a B-spline curve that consists of Bézier curves. `breaks` are the parameters where they begin and end.
+pub(crate) fn knots_of_bezier_curves(degree: usize, breaks: &[f64]) -> Vec<f64> {
+    let ends = [breaks.first(), breaks.last()].map(|end| end.copied());
+    let inner = breaks.iter().flat_map(|knot| std::iter::repeat_n(*knot, degree));
+    ends[0].into_iter().chain(inner).chain(ends[1]).collect()
 }
 
 #[cfg(test)]
@@ -165,8 +190,9 @@ mod tests {
             let spans = spans(degree, knots);
             assert_eq!(spans[0].ends[0], knots[degree]);
             assert_eq!(spans.last().unwrap().ends[1], knots[count]);
-            for (span, curve) in spans.iter().zip(bezier_curves(degree, knots, &points)) {
-                let [start, end] = span.ends;
+            for (span, (ends, curve)) in spans.iter().zip(bezier_curves(degree, knots, &points)) {
+                assert_eq!(ends, span.ends);
+                let [start, end] = ends;
                 for step in 0..10 {
                     let local = f64::from(step) / 10.0;
                     let t = start + (end - start) * local;
@@ -178,6 +204,49 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn the_points_between_two_parameters_are_the_same_curve_there() {
+        let (degree, knots) = (2, [0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 4.0, 4.0]);
+        let points: Vec<f64> = (0..7).map(|i| (1.7 * f64::from(i)).sin()).collect();
+        let all = bezier_curves(degree, &knots, &points);
+        for (ends, points_there, spans) in [
+            ([0.0, 4.0], 0..7, 0..4),
+            ([0.0, 0.5], 0..3, 0..1),
+            ([0.5, 1.0], 0..3, 0..1),
+            ([1.0, 1.5], 1..4, 1..2),
+            ([1.5, 2.0], 1..4, 1..2),
+            ([2.0, 2.1], 3..6, 2..3),
+            ([0.9, 3.1], 0..7, 0..4),
+            ([3.9, 4.0], 4..7, 3..4),
+        ] {
+            let there = points_between(degree, &knots, ends);
+            assert_eq!(there, points_there, "{ends:?}");
+            let knots = &knots[there.start..there.end + degree + 1];
+            check_knots(degree, knots, there.len()).unwrap();
+            let found = bezier_curves(degree, knots, &points[there]);
+            assert_eq!(found.len(), spans.len(), "{ends:?}");
+            for ((found_ends, found), (ends, curve)) in found.iter().zip(&all[spans]) {
+                assert_eq!(found_ends, ends);
+                for (found, point) in found.iter().zip(curve) {
+                    assert!((found - point).abs() < 1e-14, "{ends:?}: {found} {point}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bezier_curves_as_one_b_spline_stay_as_they_are() {
+        let breaks = [-1.0, 0.5, 3.0];
+        let knots = knots_of_bezier_curves(3, &breaks);
+        assert_eq!(knots, [-1.0, -1.0, -1.0, -1.0, 0.5, 0.5, 0.5, 3.0, 3.0, 3.0, 3.0]);
+        let points = [0.1, 0.7, -0.3, 0.9, 1.3, 0.2, 0.6];
+        let curves = bezier_curves(3, &knots, &points);
+        assert_eq!(
+            curves,
+            [([-1.0, 0.5], points[..4].to_vec()), ([0.5, 3.0], points[3..].to_vec())]
+        );
     }
 
     #[test]

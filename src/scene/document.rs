@@ -26,12 +26,12 @@ use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
 use crate::thesis::newton::Newton;
-use crate::trim::Keep;
+use crate::trim::{Keep, Trims};
 use trims::{PlacedTrims, TrimPlaces};
 
 /// The maximum number of bytes of one `[[surface]]` with its trims. Of each string, only the first `MAX_STRING_BYTES`
-/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt file, a
-/// long trim in a `path`.
+/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt or .obj file,
+/// a long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 const MAX_STRING_BYTES: usize = 64;
 
@@ -110,7 +110,7 @@ pub(super) fn check_surface(text: &str) -> Result<()> {
             "text up to the next [[surface]]",
             format!("{size} bytes, without those of long strings"),
             format!(
-                "at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt file, a long trim in a \
+                "at most {MAX_SURFACE_BYTES}: a large control net belongs in a .bpt or .obj file, a long trim in a \
                  path, many paths with rules in an SVG file"
             ),
         ));
@@ -217,7 +217,7 @@ impl Builder<'_> {
     }
 
     /// The surfaces of one table, and where its trims are in the text. There is more than one surface if the table's
-    /// file contains patches of two degrees.
+    /// file contains patches of two degrees, or several NURBS surfaces.
     fn surfaces(&mut self, table: Spanned<SurfaceTable>) -> Result<(Vec<Surface>, TrimPlaces)> {
         let start = table.span().start;
         let table = table.into_inner();
@@ -268,8 +268,13 @@ impl Builder<'_> {
                 CullName::Back => Cull::Back,
             };
         }
-        let PlacedTrims { trims, places } =
-            self.trims(table.trim, table.keep, &surfaces[0], start)?;
+        let keep = table.keep.as_ref().map(|keep| keep.span().start);
+        let Some(first_trim) = table.trim.first().map(|trim| trim.span().start).or(keep) else {
+            return Ok((surfaces, TrimPlaces::of_surface(self.chunk + start)));
+        };
+        check_takes_trims(&surfaces).map_err(|error| self.at(first_trim, error))?;
+        let keep = table.keep.map_or(KeepName::default(), Spanned::into_inner);
+        let PlacedTrims { trims, places } = self.trims(table.trim, keep, &surfaces[0], start)?;
         if trims.keep == Keep::Inside && !trims.has_loops() {
             let borderless =
                 Error::invalid("keep", "\"inside\" without a loop", "a loop or path as the border");
@@ -304,7 +309,8 @@ impl Builder<'_> {
         let path = self.beside_scene(table.file.get_ref());
         let (mut model, files) = self.check(table.file, |_| {
             let obj::ObjScene { model, files, .. } = obj::load(&path, crease, smoothing)?;
-            let without = "it has Bézier surfaces and no face; expected the file of a [[surface]]";
+            let without =
+                "it has free-form surfaces and no face; expected the file of a [[surface]]";
             Ok((model.ok_or_else(|| unreadable(&path, without))?, files))
         })?;
         self.files.extend(files);
@@ -435,6 +441,18 @@ fn surface_of_points(
         (Some(degree), None) => Surface::of_patch(degree, points),
         (None, _) => Surface::new(Degree::from_point_count(points.len())?, points),
     }
+}
+
+/// Checks that a table can trim its surfaces: their domain is the same, and they have no trims of their own.
+fn check_takes_trims(surfaces: &[Surface]) -> Result<()> {
+    let value = if surfaces.iter().any(|surface| surface.trims != Trims::default()) {
+        "beside a file whose surfaces have trims of their own"
+    } else if surfaces.len() > 1 && surfaces.iter().any(|surface| surface.nurbs().is_some()) {
+        "beside a file of several surfaces, each with its own parameters"
+    } else {
+        return Ok(());
+    };
+    Err(Error::invalid("trim or keep", value, "none, or a file of one surface without trims"))
 }
 
 fn unit_range<const N: usize>(name: &str, values: [f32; N]) -> Result<[f32; N]> {

@@ -1,4 +1,4 @@
-//! Wavefront OBJ: triangle meshes with their materials, and Bézier surfaces.
+//! Wavefront OBJ: triangle meshes with their materials, and Bézier and B-spline surfaces with their trims.
 //!
 //! The parser is our own because tobj 4.0.5 has several problems. Its errors have no line. It accepts NaN, index 0 of
 //! a normal, and faces of two corners. It panics on some indices and reads lines of any length into memory. It
@@ -8,6 +8,7 @@ mod freeform;
 mod material;
 mod polygon;
 mod reader;
+mod write;
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -21,10 +22,11 @@ use crate::mesh::{Corner, CreaseAngle, Mesh, SharedBorders, Smoothing, weld};
 use crate::scene::MeshModel;
 use material::Materials;
 use reader::Obj;
+pub(super) use write::surface_text;
 
 /// The content of a file.
 pub(super) struct ObjScene {
-    /// Its Bézier surfaces; patches of the same degree share a surface.
+    /// Its free-form surfaces. Bézier patches of the same degree share a surface; they come first.
     pub(super) surfaces: Vec<Surface>,
     /// Its faces.
     pub(super) model: Option<MeshModel>,
@@ -107,11 +109,14 @@ fn scene_of(
     Ok(ObjScene { surfaces, model: Some(model), files })
 }
 
-/// Reads a file's Bézier surfaces; a file without any is refused.
+/// Reads a file's free-form surfaces; a file without any is refused.
 pub(super) fn load_surfaces(path: &Path) -> Result<Vec<Surface>> {
     let surfaces = open(path)?.take_surfaces(path)?;
     if surfaces.is_empty() {
-        return Err(unreadable(path, "it has no Bézier surface; expected the file of a [[mesh]]"));
+        return Err(unreadable(
+            path,
+            "it has no free-form surface; expected the file of a [[mesh]]",
+        ));
     }
     Ok(surfaces)
 }
@@ -200,8 +205,8 @@ impl Mesh {
     ///
     /// # Errors
     /// With the line: a line of more than 1 MiB, a number that is malformed or not finite, a position beyond 1e15, a
-    /// face of fewer than three corners, an index of 0 or of an element that does not exist, too many faces. Without
-    /// the line: no face, too many vertices.
+    /// face of fewer than three corners, an index of 0 or of an element that does not exist, too many faces, a malformed
+    /// free-form curve or surface. Without the line: no face, too many vertices.
     pub fn read_obj(text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
         mesh_of(Obj::read(text, path)?, path, crease).map(|(mesh, _)| mesh)
     }

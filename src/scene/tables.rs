@@ -75,8 +75,7 @@ pub(super) struct SurfaceTable {
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,
     pub(super) matrix: Option<[[f64; 4]; 3]>,
-    #[serde(default)]
-    pub(super) keep: KeepName,
+    pub(super) keep: Option<Spanned<KeepName>>,
     #[serde(default)]
     pub(super) cull: CullName,
     #[serde(default)]

@@ -15,7 +15,7 @@ use super::document::{check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
     Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
-    Tessellation, bpt, default_control_points, load_texture, svg,
+    Tessellation, bpt, default_control_points, load_texture, obj, svg,
 };
 use crate::bezier::Degree;
 use crate::camera::{Camera, Lens};
@@ -41,7 +41,8 @@ impl Scene {
     /// Files beside it get its name and a number.
     ///
     /// # Errors
-    /// A picture that cannot be encoded; more trims than the text of a surface can hold.
+    /// A picture that cannot be encoded; more trims than the text of a surface can hold; a NURBS surface of more control
+    /// points than fit in a file (about 150,000).
     pub fn to_toml(&self, path: &Path) -> Result<SceneText> {
         let mut writer = Writer {
             path,
@@ -148,25 +149,31 @@ impl Writer<'_> {
 
     fn surface(&mut self, surface: &Surface) -> Result<()> {
         let start = self.out.text.len();
+        self.surface_with(surface, false)?;
+        let checked = check_surface(&self.out.text[start..]);
+        if checked.is_err() && surface.nurbs().is_some() {
+            self.out.text.truncate(start);
+            self.surface_with(surface, true)?;
+            return check_surface(&self.out.text[start..]);
+        }
+        checked
+    }
+
+    /// Writes a surface, with a NURBS surface in the text or in a file.
+    fn surface_with(&mut self, surface: &Surface, nurbs_in_file: bool) -> Result<()> {
         self.header("[[surface]]");
         let points = surface.control_points();
-        if let Some(nurbs) = surface.nurbs() {
-            let [u, v] = nurbs.knots();
-            self.line("knots", format_args!("[{}, {}]", numbers(u), numbers(v)));
-        }
         if points == default_control_points() && surface.nurbs().is_none() {
             self.line("control_points", "\"default\"");
-        } else if points.len() == surface.degree().points() || surface.nurbs().is_some() {
-            let rows: Vec<String> =
-                points.iter().map(|point| format!("    {},\n", control_point(*point))).collect();
-            let degree = surface.degree();
-            let is_plain = Degree::from_point_count(points.len()).ok() == Some(degree);
-            if !is_plain || surface.nurbs().is_some() {
-                self.line("degree", format_args!("[{}, {}]", degree.u(), degree.v()));
-            }
-            self.line("control_points", format_args!("[\n{}]", rows.concat()));
+        } else if let Some(nurbs) = surface.nurbs().filter(|_| !nurbs_in_file) {
+            let [u, v] = nurbs.knots();
+            self.line("knots", format_args!("[{}, {}]", numbers(u), numbers(v)));
+            self.net(surface, true);
+        } else if surface.nurbs().is_none() && points.len() == surface.degree().points() {
+            let is_plain = Degree::from_point_count(points.len()).ok() == Some(surface.degree());
+            self.net(surface, !is_plain);
         } else {
-            let file = self.patches(surface)?;
+            let file = self.surface_file(surface)?;
             self.line("file", file);
         }
         self.style(&surface.paint, surface.shading, &surface.transform)?;
@@ -174,22 +181,41 @@ impl Writer<'_> {
             self.line("cull", "\"back\"");
         }
         self.trims(&surface.trims);
-        check_surface(&self.out.text[start..])
+        Ok(())
     }
 
-    /// The name of a `.bpt` file with the patches of a surface.
-    fn patches(&mut self, surface: &Surface) -> Result<String> {
+    /// Writes control points in the text, and their degree if it is needed.
+    fn net(&mut self, surface: &Surface, with_degree: bool) {
+        if with_degree {
+            let degree = surface.degree();
+            self.line("degree", format_args!("[{}, {}]", degree.u(), degree.v()));
+        }
+        let points = surface.control_points().iter();
+        let rows: String =
+            points.map(|point| format!("    {},\n", control_point(*point))).collect();
+        self.line("control_points", format_args!("[\n{rows}]"));
+    }
+
+    /// The name of a file with a surface: a `.bpt` file for patches without weights, otherwise an `.obj` file.
+    fn surface_file(&mut self, surface: &Surface) -> Result<String> {
         let points = surface.control_points();
-        for source in self.sources.iter().filter(|source| extension(source) == "bpt") {
-            let read = read_text(source).and_then(|text| bpt::parse(&text, source));
-            if read.is_ok_and(|read| matches!(&*read, [only] if only.control_points() == points)) {
+        for source in self.sources {
+            let read = match extension(source).as_str() {
+                "bpt" => read_text(source).and_then(|text| bpt::parse(&text, source)),
+                "obj" => obj::load_surfaces(source),
+                _ => continue,
+            };
+            let is_same = |read: &Surface| {
+                (read.degree(), read.control_points(), read.nurbs(), &read.trims)
+                    == (surface.degree(), points, surface.nurbs(), &Trims::default())
+            };
+            if read.is_ok_and(|read| matches!(&*read, [only] if is_same(only))) {
                 return Ok(self.name(source));
             }
         }
-        let rational = points.iter().position(|point| point.w != 1.0);
-        if let Some(index) = rational {
-            let value = format!("weight {} among several patches", points[index].w);
-            return Err(Error::invalid(format!("control point {index}"), value, "weight 1"));
+        if surface.nurbs().is_some() || points.iter().any(|point| point.w != 1.0) {
+            let text = obj::surface_text(surface)?;
+            return Ok(self.beside("obj", text.into_bytes()));
         }
         let degree = surface.degree();
         let mut text = format!("{}\n", surface.patches().len());

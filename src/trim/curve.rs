@@ -8,7 +8,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::{ParameterSizes, Segment, TrimLoop, check_finite};
+use super::{MAX_SEGMENTS, ParameterSizes, SNAP, Segment, TrimLoop, check_finite};
 use crate::bezier::{Degree, bezier_curves, check_knots, composition, product, split_slice};
 use crate::error::{Error, Result};
 
@@ -48,15 +48,55 @@ impl TrimCurve {
     /// A degree that is not from 1 to 15, a wrong number of knots, knots that decrease or leave no domain, points as in
     /// [`TrimCurve::bezier`].
     pub fn nurbs(degree: usize, knots: &[f64], points: &[DVec3]) -> Result<Self> {
-        check_knots(degree, knots, points.len())?;
-        let points = homogeneous(points)?;
-        // Their weights are blends of the given ones.
-        Ok(Self { pieces: bezier_curves(degree, knots, &points) })
+        Self::nurbs_part(degree, knots, points, [f64::NEG_INFINITY, f64::INFINITY])
     }
 
-    /// Lines, quadratics and cubics: the curve itself, or within 1e-8 units of it.
+    /// The part of a B-spline curve between two parameters. It begins at the first of them, also if that is the greater
+    /// one. Parameters beyond the domain stand for its ends.
+    ///
+    /// # Errors
+    /// As [`TrimCurve::nurbs`]; a part without length.
+    pub(crate) fn nurbs_part(
+        degree: usize,
+        knots: &[f64],
+        points: &[DVec3],
+        ends: [f64; 2],
+    ) -> Result<Self> {
+        check_knots(degree, knots, points.len())?;
+        // The weights of the pieces are blends of the given ones.
+        let points = homogeneous(points)?;
+        let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        let mut pieces: Vec<Vec<DVec3>> = Vec::new();
+        for ([start, end], piece) in bezier_curves(degree, knots, &points) {
+            if start < high && low < end {
+                let share = |t: f64| ((t - start) / (end - start)).clamp(0.0, 1.0);
+                pieces.push(part(piece, [share(low), share(high)]));
+            }
+        }
+        if pieces.is_empty() {
+            let value = format!("from {} to {}", ends[0], ends[1]);
+            return Err(Error::invalid("part of a curve", value, "a part of its domain"));
+        }
+        if ends[0] > ends[1] {
+            pieces.reverse();
+            pieces.iter_mut().for_each(|piece| piece.reverse());
+        }
+        Ok(Self { pieces })
+    }
+
+    /// Where it begins and ends.
+    fn ends(&self) -> [DVec2; 2] {
+        let [first, last] = [&self.pieces[0], &self.pieces[self.pieces.len() - 1]];
+        [place(first[0]), place(last[last.len() - 1])]
+    }
+
+    /// Lines, quadratics and cubics: the curve itself, or within 1e-8 units of it. They end with the first piece
+    /// beyond the number of segments that a loop may have.
     fn segments(&self, unit: DVec2, segments: &mut Vec<Segment>) {
         for piece in &self.pieces {
+            if segments.len() > MAX_SEGMENTS {
+                return;
+            }
             let same_weight = piece.iter().all(|point| point.z == piece[0].z);
             let places: Vec<DVec2> = piece.iter().map(|point| place(*point)).collect();
             match Segment::new(&places) {
@@ -96,6 +136,38 @@ impl TrimLoop {
         }
         Self::closed(segments, sizes.domain)
     }
+
+    /// The same for a chain whose curves may be further apart: a line closes each gap up to `max_gap`, which is a share
+    /// of the domain.
+    ///
+    /// # Errors
+    /// As [`TrimLoop::from_curves`], where lines that close gaps count as segments; a larger gap. Curves are numbered
+    /// from 0.
+    pub(crate) fn from_curves_with_gaps(
+        curves: Vec<TrimCurve>,
+        sizes: &ParameterSizes,
+        max_gap: f64,
+    ) -> Result<Self> {
+        let ends: Vec<[DVec2; 2]> = curves.iter().map(TrimCurve::ends).collect();
+        let mut chain = Vec::with_capacity(curves.len());
+        for (i, curve) in curves.into_iter().enumerate() {
+            chain.push(curve);
+            let next = (i + 1) % ends.len();
+            let (end, start) = (ends[i][1], ends[next][0]);
+            let gap = ((start - end) / sizes.domain).length();
+            if gap > max_gap {
+                return Err(Error::invalid(
+                    format!("gap between the end of curve {i} and the start of curve {next}"),
+                    end.distance(start),
+                    format!("at most {max_gap} of the domain: a closed loop"),
+                ));
+            }
+            if gap >= SNAP {
+                chain.push(TrimCurve::bezier(&[end.extend(1.0), start.extend(1.0)])?);
+            }
+        }
+        Self::from_curves_over(&chain, sizes)
+    }
 }
 
 /// Checks the points of a curve and multiplies them by their weights.
@@ -108,6 +180,19 @@ fn homogeneous(points: &[DVec3]) -> Result<Vec<DVec3>> {
         }
     }
     Ok(points.iter().map(|point| (point.truncate() * point.z).extend(point.z)).collect())
+}
+
+/// The part of a Bézier curve between two parameters from 0 to 1.
+fn part(mut points: Vec<DVec3>, [low, high]: [f64; 2]) -> Vec<DVec3> {
+    if high < 1.0 {
+        let mut after = points.clone();
+        split_slice(&mut points, &mut after, |a, b| a.lerp(b, high));
+    }
+    if low > 0.0 {
+        let mut before = points.clone();
+        split_slice(&mut before, &mut points, |a, b| a.lerp(b, low / high));
+    }
+    points
 }
 
 fn place(point: DVec3) -> DVec2 {

@@ -11,6 +11,8 @@ mod mesh_convergence;
 mod mesh_faults;
 mod meshes;
 mod nurbs;
+mod obj_freeform;
+mod obj_freeform_faults;
 mod obj_meshes;
 mod obj_scenes;
 mod rooms;

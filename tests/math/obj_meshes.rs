@@ -203,7 +203,7 @@ fn what_is_wrong_with_a_mesh_of_a_scene_is_said_with_file_and_line() {
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("good.obj", &format!("{SQUARE}f 1 2 3 4\n"));
     write("bad.obj", &format!("{SQUARE}f 1 2 9\n"));
-    write("curve.obj", &format!("{SQUARE}cstype bspline\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nend\n"));
+    write("curve.obj", &format!("{SQUARE}cstype cardinal\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nend\n"));
     let read = |mesh: &str| {
         let text = format!("[render]\nlevel = 2\n\n[[mesh]]\n{mesh}\n");
         Scene::from_toml(&text, &folder.path().join("scene.toml"))
@@ -222,7 +222,7 @@ fn what_is_wrong_with_a_mesh_of_a_scene_is_said_with_file_and_line() {
         ("smoothing = \"pn\"".into(), 4, ["missing", "file", "scene.toml"]),
         ("file = \"none.obj\"".into(), 5, ["none.obj", "No such file", "read"]),
         ("file = \"bad.obj\"".into(), 5, ["bad.obj", "5", "9"]),
-        ("file = \"curve.obj\"".into(), 5, ["curve.obj", "1 bspline surface", "no face"]),
+        ("file = \"curve.obj\"".into(), 5, ["curve.obj", "1 cardinal surface", "no face"]),
     ] {
         let text = read(&mesh).unwrap_err().to_string();
         let place = format!("scene.toml:{line}: ");

@@ -118,8 +118,16 @@ fn what_has_no_face_says_what_it_has() {
         ("v 0 0 0\n", "it has 1 position, no face"),
         ("# nothing\n", "it has no face"),
         (
-            "cstype bspline\ndeg 3 3\nsurf 0 1 0 1 1 2\nend\nl 1 2\n",
-            "it has 1 line and 1 bspline surface, no face",
+            "cstype cardinal\ndeg 3 3\nsurf 0 1 0 1 1 2\nend\nl 1 2\n",
+            "it has 1 line and 1 cardinal surface, no face",
+        ),
+        (
+            "cstype bspline\ndeg 1 1\nsurf 0 1 0 1 1 2 3 4\nparm u 0 0 1 1\nparm v 0 0 1 1\nend\n",
+            "it has 1 NURBS surface, no face",
+        ),
+        (
+            "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 4\nend\nsurf 0 1 0 1 1 2 3 4\nend\np 1\n",
+            "it has 2 Bézier patches and 1 point, no face",
         ),
     ] {
         assert!(error(text).contains(words), "{text}: {}", error(text));
@@ -310,7 +318,7 @@ fn weights_count_where_surfaces_are_rational() {
         ("c.toml", b"[[mesh]]\nfile = \"a.obj\"\n"),
     ]);
     assert_eq!(folder.load("a.toml").surfaces[0].paint, Paint::Color([1.0, 0.0, 0.0]));
-    for (name, words) in [("b.toml", "no Bézier surface"), ("c.toml", "[[surface]]")] {
+    for (name, words) in [("b.toml", "no free-form surface"), ("c.toml", "[[surface]]")] {
         let text = Scene::load(&folder.path(name)).unwrap_err().to_string();
         assert!(text.contains(words) && text.contains(":2: "), "{text}");
     }
@@ -324,11 +332,8 @@ fn bad_surfaces_are_refused_with_their_line() {
     };
     for (text, words) in [
         (surf("bezier", &numbers(1..=15)), "x.obj:22: the surface has 15 control points"),
-        (
-            surf("bezier", &numbers(2..=17)),
-            "x.obj:22: a control point of the surface is no position",
-        ),
-        (surf("rat bezier", &numbers(1..=16)), "x.obj:22: the weight of position 6 is 0"),
+        (surf("bezier", &numbers(2..=17)), "x.obj:19: index 17 of a position; expected 1 to 16"),
+        (surf("rat bezier", &numbers(1..=16)), "x.obj:19: the weight of position 6 is 0"),
         (surf("bezier", "1 2 three"), "x.obj:19: \"three\" is no index"),
     ] {
         let folder = Folder::new(&[("x.obj", format!("{points}{text}").as_bytes())]);

@@ -28,6 +28,13 @@ pub(super) struct TrimPlaces {
     paths: Vec<usize>,
 }
 
+impl TrimPlaces {
+    /// Those of a surface without trims in the text.
+    pub(super) fn of_surface(surface: usize) -> Self {
+        Self { surface, ..Self::default() }
+    }
+}
+
 impl Builder<'_> {
     pub(super) fn trims(
         &mut self,
@@ -41,7 +48,7 @@ impl Builder<'_> {
             KeepName::Inside => Keep::Inside,
         };
         let mut trims = Trims { keep, ..Trims::default() };
-        let mut places = TrimPlaces { surface: self.chunk + start, ..TrimPlaces::default() };
+        let mut places = TrimPlaces::of_surface(self.chunk + start);
         for table in tables {
             let start = table.span().start;
             let place = self.chunk + start;
@@ -154,6 +161,7 @@ impl Builder<'_> {
         if let Some(place) = places.paths.first() {
             return Err(self.at(*place, error));
         }
+        // Only surfaces that were refused above have loops that are not in the text.
         Err(match NewtonTrims::sorted(&trims.loops) {
             Err((to_blame, error)) => self.at(places.loops[to_blame], error),
             Ok(_) => self.at(places.loops[0], error),

@@ -14,7 +14,7 @@ use crate::mesh::{Corner, Mesh};
 use crate::scene::{bpt::shortened, file::unreadable};
 
 /// The maximum length of a line in bytes, including its continuation lines: a face of some ten thousand corners.
-const MAX_LINE: usize = 1 << 20;
+pub(super) const MAX_LINE: usize = 1 << 20;
 
 /// Everything that was read so far.
 #[derive(Default)]
@@ -86,8 +86,9 @@ impl Obj {
             line,
             message,
         })?;
-        for what in obj.free_form.left_out() {
-            log::warn!("{}: {what} left out", path.display());
+        let left_out = obj.free_form.left_out();
+        if !left_out.is_empty() {
+            log::warn!("{}: {} left out", path.display(), left_out.join(", "));
         }
         Ok(obj)
     }
@@ -230,6 +231,7 @@ impl Obj {
 
     /// Adds the faces that refer to later elements, and scales the colours. Errors come with their line.
     fn finish(&mut self) -> Result<(), (usize, String)> {
+        self.free_form.finish()?;
         let counts = self.counts();
         for LateFace { line, material, corners } in std::mem::take(&mut self.late) {
             if let Some(missing) = corners.iter().find_map(|corner| missing(corner, counts)) {
@@ -252,17 +254,18 @@ impl Obj {
     /// The reason why there is no mesh, with the elements that were found instead.
     pub(super) fn without_faces(&self) -> String {
         let mut found = Vec::new();
+        match self.free_form.patches() {
+            0 => {}
+            1 => found.push("1 Bézier patch".to_owned()),
+            count => found.push(format!("{count} Bézier patches")),
+        }
         for (count, what) in [
-            (self.free_form.patches(), "Bézier patch"),
+            (self.free_form.nurbs_surfaces(), "NURBS surface"),
             (self.lines, "line"),
             (self.points, "point"),
         ] {
-            match (count, what) {
-                (0, _) => {}
-                (count, "Bézier patch") if count > 1 => {
-                    found.push(format!("{count} Bézier patches"))
-                }
-                _ => found.push(counted(count, what)),
+            if count > 0 {
+                found.push(counted(count, what));
             }
         }
         found.extend(self.free_form.left_out());
@@ -277,7 +280,7 @@ impl Obj {
         format!("it has {found}, no face; expected at least one statement f")
     }
 
-    /// The Bézier surfaces.
+    /// The free-form surfaces.
     pub(super) fn take_surfaces(&mut self, path: &Path) -> Result<Vec<Surface>> {
         self.free_form
             .take_surfaces(&self.positions, &self.weights)
@@ -349,7 +352,7 @@ fn corner(word: &str, [positions, coordinates, normals]: [usize; 3]) -> Result<C
 
 /// Converts an index of the file to an index from 0. The file counts from 1, or backwards from −1, which is the last
 /// element above.
-fn index(text: &str, what: &str, count: usize) -> Result<u32, String> {
+pub(super) fn index(text: &str, what: &str, count: usize) -> Result<u32, String> {
     let number: i64 = text.parse().map_err(|_| format!("\"{}\" is no index", shortened(text)))?;
     let index = if number < 0 { count as i64 + number } else { number - 1 };
     match u32::try_from(index) {
@@ -358,7 +361,7 @@ fn index(text: &str, what: &str, count: usize) -> Result<u32, String> {
     }
 }
 
-fn out_of_range(number: i64, what: &str, count: usize) -> String {
+pub(super) fn out_of_range(number: i64, what: &str, count: usize) -> String {
     let expected = match count {
         0 => "but there is none".to_owned(),
         _ if number < 0 => format!("expected −1 to −{count} from the last above"),
@@ -400,7 +403,7 @@ fn numbers<'a, const N: usize>(
     }
 }
 
-fn finite(word: &str) -> Result<f64, String> {
+pub(super) fn finite(word: &str) -> Result<f64, String> {
     let number: Option<f64> = word.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| format!("\"{}\" is no finite number", shortened(word)))
 }
