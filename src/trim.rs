@@ -429,6 +429,13 @@ impl Trims {
         Ok(())
     }
 
+    /// Whether there are no trims, switched on or off.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        let shapes = self.circles.len() + self.rects.len() + self.ellipses.len();
+        shapes == 0 && !self.has_loops()
+    }
+
     /// Whether a circle, rectangle or ellipse that is switched on cuts `uv`.
     #[must_use]
     pub fn shapes_cut(&self, uv: DVec2) -> bool {

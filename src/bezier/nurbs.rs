@@ -65,6 +65,16 @@ impl NurbsSurface {
         Ok(Self { degree, knots, points })
     }
 
+    /// The number of control points of all Bézier patches of a surface with such knots, or a little more.
+    pub(crate) fn points_of_patches(degree: Degree, knots: &[Vec<f64>; 2]) -> usize {
+        let spans = |degree: usize, knots: &[f64]| {
+            let inside = knots.get(degree..knots.len().saturating_sub(degree)).unwrap_or_default();
+            inside.windows(2).filter(|pair| pair[0] < pair[1]).count()
+        };
+        let patches = spans(degree.u(), &knots[0]).saturating_mul(spans(degree.v(), &knots[1]));
+        patches.saturating_mul(degree.points())
+    }
+
     /// The degrees along u and v.
     #[must_use]
     pub const fn degree(&self) -> Degree {

@@ -180,8 +180,7 @@ enum Decision<'a> {
 impl<'a> Cut<'a> {
     fn new(surface: &'a Surface, newton: Newton, method: Method) -> Result<Self> {
         let trims = &surface.trims;
-        let shapes = trims.circles.len() + trims.rects.len() + trims.ellipses.len();
-        let decision = if shapes == 0 && !trims.has_loops() {
+        let decision = if trims.is_empty() {
             Decision::Nothing
         } else if method == Method::Thesis {
             Decision::Thesis(TrimDecision::new(trims, newton, method)?)

@@ -34,6 +34,8 @@ use trims::{PlacedTrims, TrimPlaces};
 /// a long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 const MAX_STRING_BYTES: usize = 64;
+/// The maximum number of control points of the Bézier patches of a NURBS surface: 32 MiB.
+const MAX_PATCH_POINTS: usize = 1 << 20;
 
 /// Parses a scene; `path` appears in error messages, and files that the scene names are found relative to its folder.
 ///
@@ -436,7 +438,14 @@ fn surface_of_points(
     };
     match (degree, knots) {
         (Some(degree), Some(knots)) => {
-            NurbsSurface::new(degree, knots.into_inner(), points).map(Surface::from_nurbs)
+            let knots = knots.into_inner();
+            let count = NurbsSurface::points_of_patches(degree, &knots);
+            if count > MAX_PATCH_POINTS {
+                let expected =
+                    format!("at most {MAX_PATCH_POINTS}; a larger surface belongs in an .obj file");
+                return Err(Error::invalid("control points of all patches", count, expected));
+            }
+            NurbsSurface::new(degree, knots, points).map(Surface::from_nurbs)
         }
         (Some(degree), None) => Surface::of_patch(degree, points),
         (None, _) => Surface::new(Degree::from_point_count(points.len())?, points),

@@ -169,10 +169,12 @@ impl Surface {
     /// Refuses surfaces that the thesis' method does not draw.
     ///
     /// # Errors
-    /// NURBS surfaces, and as [`Degree::check_for_thesis`].
+    /// NURBS surfaces with trims or a picture, which lie over all patches together, and as
+    /// [`Degree::check_for_thesis`].
     pub(crate) fn check_for_thesis(&self) -> Result<()> {
-        if self.nurbs.is_some() {
-            let expected = "Bézier patches with the thesis' method";
+        let is_plain = matches!(self.paint, Paint::Color(_)) && self.trims.is_empty();
+        if self.nurbs.is_some() && !is_plain {
+            let expected = "no trims and no picture on it with the thesis' method";
             return Err(Error::invalid("surface", "a NURBS surface", expected));
         }
         self.degree.check_for_thesis()

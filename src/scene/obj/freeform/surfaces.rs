@@ -173,12 +173,8 @@ struct Used {
 
 impl Used {
     fn add_patches(&mut self, degree: Degree, knots: &[Vec<f64>; 2]) -> Result<(), String> {
-        let spans = |degree: usize, knots: &[f64]| {
-            let inside = &knots[degree..knots.len() - degree];
-            inside.windows(2).filter(|pair| pair[0] < pair[1]).count()
-        };
-        let count = spans(degree.u(), &knots[0]) * spans(degree.v(), &knots[1]);
-        self.patch_points = self.patch_points.saturating_add(count.saturating_mul(degree.points()));
+        let count = NurbsSurface::points_of_patches(degree, knots);
+        self.patch_points = self.patch_points.saturating_add(count);
         if self.patch_points > MAX_PATCH_POINTS {
             return Err(format!(
                 "up to this surface there are {} control points of Bézier patches; expected at most \
