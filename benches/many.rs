@@ -1,6 +1,6 @@
 //! Thousands of surfaces in one scene, and surfaces of tens of thousands of patches: `cargo bench --bench many`.
 //!
-//! It prints medians of alternating measurements, ratios, and the limits under which they should stay.
+//! It prints medians of alternating measurements, ratios, memory, and the limits under which they should stay.
 
 mod static_mesh;
 mod turns;
@@ -65,6 +65,13 @@ fn terrain(side: usize) -> NurbsSurface {
     NurbsSurface::new(Degree::CUBIC, [0, 1].map(knots), points).expect("a surface")
 }
 
+/// The memory of this process, with that of the driver, in bytes. 0 where the system does not tell.
+fn memory_in_use() -> f64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    let resident = pages.split(' ').nth(1).and_then(|pages| pages.parse::<f64>().ok());
+    resident.unwrap_or(0.0) * 4096.0
+}
+
 fn main() {
     let context = Headless::new(Backend::Auto).expect("an OpenGL context");
     let gl = context.gl();
@@ -76,10 +83,12 @@ fn main() {
     for count in [1, 10, 100, 1_000, 10_000] {
         let scenes = [true, false].map(|trimmed| bumps(count, trimmed));
         let frame = Frame::of(&scenes[0], SIZE);
+        let before = memory_in_use();
         let started = Instant::now();
         let mut trimmed = PreparedScene::new(&renderer, &scenes[0]).expect("it fits");
         trimmed.prepare(&renderer, &frame).expect("it fits");
         let start_ms = started.elapsed().as_secs_f64() * 1e3;
+        let bytes = memory_in_use() - before;
         let mut plain = PreparedScene::new(&renderer, &scenes[1]).expect("it fits");
         let triangles = plain.triangles(&mut renderer, &frame).expect("they fit");
         let mesh = static_mesh::of_drawn(gl, &triangles, &frame.camera.view.inverse());
@@ -110,6 +119,8 @@ fn main() {
         let (stats, plain_stats) = (trimmed.stats(), plain.stats());
         println!("\n{count} surfaces, one hole of 4 segments each");
         line("until all is uploaded, ms", start_ms, "");
+        // 16 control points and 4 segments each.
+        line("bytes a point or segment", bytes / (20 * count) as f64, "at most 200 for 10,000");
         line("a frame, ms", ms[0], "");
         line("/ the same without trims", ms[0] / ms[1], "at most 1.4 for 10,000");
         line("draws", stats.draws as f64, "at most 60 for 10,000");
@@ -120,6 +131,7 @@ fn main() {
     }
 
     for side in [30, 100, 300] {
+        let before = memory_in_use();
         let started = Instant::now();
         let surface = Surface::from_nurbs(terrain(side));
         let scene = Scene { surfaces: vec![surface], ..Scene::default() };
@@ -131,7 +143,10 @@ fn main() {
         let started = Instant::now();
         prepared.prepare(&renderer, &frame).expect("it fits");
         let plan_ms = started.elapsed().as_secs_f64() * 1e3;
+        let bytes = memory_in_use() - before;
+        let points = scene.surfaces[0].patch_points().len();
         println!("\nA bicubic NURBS surface of {side} × {side} points");
+        line("bytes a point of its patches", bytes / points as f64, "at most 200 for 300");
         line("its patches, ms", patches_ms, "");
         line("uploaded, ms", upload_ms, "");
         line("planned, ms", plan_ms, "");

@@ -11,7 +11,7 @@ use super::{Circle, Ellipse, Rect, Trims};
 pub(super) const SHAPE_WORDS: usize = 8;
 
 /// The allowed numbers of cells along a side of the grid.
-const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
+const SIDES: std::ops::RangeInclusive<u32> = 16..=256;
 /// The maximum number of cells that all shapes together may touch is this number times the number of shapes, but no
 /// less than `MAX_CELLS`.
 const MAX_CELLS_PER_SHAPE: f64 = 16.0;

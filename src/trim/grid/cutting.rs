@@ -7,7 +7,7 @@ use crate::trim::pieces::{Curve, Piece, split};
 use crate::trim::uniform_grid::{UniformGrid, touched};
 
 /// The allowed numbers of cells along a side of the grid.
-const SIDES: std::ops::RangeInclusive<u32> = 32..=256;
+const SIDES: std::ops::RangeInclusive<u32> = 8..=256;
 /// The maximum number of pieces, for each curve, that cutting curves to the size of cells may add. The total is
 /// clamped to `MORE_PIECES`.
 const MORE_PIECES_PER_CURVE: usize = 15;
