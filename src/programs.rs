@@ -94,6 +94,10 @@ pub mod location {
     pub const LIGHT_POSITION_2: u32 = 34;
     /// `depthScale`.
     pub const DEPTH_SCALE: u32 = 32;
+    /// `groupSize`.
+    pub const GROUP_SIZE: u32 = 35;
+    /// `passPaint`.
+    pub const PAINT: u32 = 36;
 }
 
 /// Binding point of the storage buffer `trimPointsSsbo`, as in listing 13.
@@ -106,6 +110,8 @@ pub const TRIM_WORDS_UNIT: u32 = 1;
 pub const CONTROL_POINTS_UNIT: u32 = 3;
 /// Texture unit of `surfaces`.
 pub const SURFACES_UNIT: u32 = 4;
+/// Texture unit of `subPatches`.
+pub const SUB_PATCHES_UNIT: u32 = 8;
 /// Texture unit of `domains`.
 pub const DOMAINS_UNIT: u32 = 7;
 /// Texture unit of `levels`. The buffer's second view, which no shader reads, takes the next unit.
@@ -126,6 +132,8 @@ pub enum Pipeline {
         samples: u32,
         /// How the patches are evaluated.
         patches: PatchKind,
+        /// Whether one draw may contain patches of several surfaces, each with its own matrices and colour.
+        shared: bool,
         /// Where the colour before lighting comes from.
         painting: Painting,
         /// Whether normals are evaluated per vertex or per pixel.
@@ -147,7 +155,7 @@ pub enum Pipeline {
 /// Where the exact method's colour before lighting comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Painting {
-    /// Each surface has one colour, which is beside its matrices.
+    /// Each surface has one colour.
     Color,
     /// A picture over each patch.
     Picture,
@@ -394,7 +402,9 @@ impl Sources {
             defines.push(("SIDE", degree.columns() as u32));
         }
         let mut painting = Painting::Picture;
-        if let Pipeline::Exact { degree, patches, painting: own, normals, .. } = key.pipeline {
+        if let Pipeline::Exact { degree, patches, shared, painting: own, normals, .. } =
+            key.pipeline
+        {
             painting = own;
             if let Some(degree) = degree {
                 let (columns, rows) = (degree.columns() as u32, degree.rows() as u32);
@@ -403,6 +413,7 @@ impl Sources {
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
             on.extend([
+                ("SHARED", shared),
                 ("ANY_DEGREE", degree.is_none()),
                 ("HELD", degree.is_some_and(|degree| degree.points() <= MAX_HELD)),
                 ("RATIONAL", patches != PatchKind::Polynomial),

@@ -35,7 +35,7 @@ use crate::error::Result;
 use crate::gpu::{Gl, Program, Texture, VertexArray, check_context, draw_size, keep_memory};
 use crate::programs::{Output, Pipeline, ProgramKey, Sources, TrimFeatures, location};
 use crate::scene::{CONTROL_POINT_PX, Paint, RenderSettings, Shading};
-use crate::tessellation::{DrawSize, SubPatch};
+use crate::tessellation::DrawSize;
 
 /// Draws surfaces with the OpenGL context of its caller.
 ///
@@ -46,7 +46,7 @@ use crate::tessellation::{DrawSize, SubPatch};
 ///
 /// Drawing sets the following state and leaves it set: depth test, depth function and depth mask; blending, culling,
 /// stencil test, rasterizer discard and program point size off; filled polygons; the viewport; the patch size; the
-/// textures of units 0 to 7 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and
+/// textures of units 0 to 8 and the sampler of unit 0; the storage buffers 1 and 2; no program, no vertex array and
 /// no buffer texture bound. Uploading a texture resets the pixel transfer state to plain transfers. All other state
 /// belongs to the caller and affects drawing: framebuffer, scissor, colour mask and logic operation, depth range and
 /// clip control, polygon offset, sample masks, sRGB conversion, and line width.
@@ -91,7 +91,7 @@ impl Renderer {
             sources,
             programs: HashMap::new(),
             points_array: VertexArray::of::<Vec4>(gl, "control points")?,
-            sub_patches_array: VertexArray::of::<SubPatch>(gl, "sub-patches")?,
+            sub_patches_array: VertexArray::of::<()>(gl, "sub-patches")?,
             corners_array: VertexArray::of::<SmoothCorner>(gl, "corners of smooth triangles")?,
             flat_array: VertexArray::of::<FlatCorner>(gl, "corners of flat triangles")?,
             bare_array: VertexArray::of::<BareCorner>(gl, "bare corners of flat triangles")?,

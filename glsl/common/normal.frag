@@ -2,7 +2,11 @@
 // from the vertices of the triangle, and then not of unit length.
 
 #ifdef PIXEL_NORMALS
+#ifdef SHARED
 layout(binding = 4) uniform samplerBuffer surfaces;
+#else
+layout(location = 29) uniform mat4 normalToView;
+#endif
 
 #ifdef GEOMETRY
 layout(location = 13) flat in uvec4 passPlace;
@@ -33,10 +37,14 @@ vec3 normalAt(vec2 uv)
 #else
     vec3 crossed = cross(tangent(point, dv), tangent(point, du));
 #endif
+#ifdef SHARED
     int columns = int(passPlace.z) * 12 + 8;
     vec3 normal = texelFetch(surfaces, columns).xyz * crossed.x
         + texelFetch(surfaces, columns + 1).xyz * crossed.y
         + texelFetch(surfaces, columns + 2).xyz * crossed.z;
+#else
+    vec3 normal = mat3(normalToView) * crossed;
+#endif
     float size = dot(normal, normal);
     return size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
 }

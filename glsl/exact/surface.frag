@@ -10,8 +10,10 @@ layout(location = 6) in vec3 passColor; // interpolated from the vertices of a m
 
 #if defined(OVER_DOMAIN)
 layout(location = 8) in vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
-#elif !defined(TEXTURED)
+#elif !defined(TEXTURED) && defined(SHARED)
 layout(location = 8) flat in vec3 passPaint; // the surface's colour
+#elif !defined(TEXTURED)
+layout(location = 36) uniform vec3 passPaint; // the surface's colour
 #endif
 
 #ifdef TEXTURED

@@ -8,7 +8,13 @@
 
 layout(quads, equal_spacing, ccw) in;
 
+#ifdef SHARED
 layout(binding = 4) uniform samplerBuffer surfaces; // for each, 11 matrix columns and its colour
+#else
+layout(location = 27) uniform mat4 toClip;
+layout(location = 28) uniform mat4 toView;
+layout(location = 29) uniform mat4 normalToView;
+#endif
 #ifdef OVER_DOMAIN
 layout(binding = 7) uniform samplerBuffer domains; // for each patch: first u and v, length along u and v
 #endif
@@ -40,7 +46,7 @@ layout(location = 7) flat out uint passTrims;
 #endif
 #if defined(OVER_DOMAIN)
 layout(location = 8) out vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
-#elif !defined(TEXTURED)
+#elif !defined(TEXTURED) && defined(SHARED)
 layout(location = 8) flat out vec3 passPaint; // the surface's colour
 #endif
 
@@ -55,6 +61,7 @@ vec2 placeAlong(float tessCoord, float across, float cells, float low, float hig
     return along(tessCoord, end ? 1.0 : cells, end ? 1.0 : levels, subPatch, subPatches);
 }
 
+#ifdef SHARED
 // A value of the patch's surface.
 vec4 ofSurface(int column)
 {
@@ -66,11 +73,13 @@ mat4 matrix(int column)
 {
     return mat4(ofSurface(column), ofSurface(column + 1), ofSurface(column + 2), ofSurface(column + 3));
 }
+#endif
 
 void main()
 {
-    mat4 toClip = matrix(0), toView = matrix(4);
-    mat3 normalToView = mat3(ofSurface(8).xyz, ofSurface(9).xyz, ofSurface(10).xyz);
+#ifdef SHARED
+    mat4 toClip = matrix(0), toView = matrix(4), normalToView = matrix(8);
+#endif
     vec4 edges = vec4(uvec4(cutOfPatch.x) >> uvec4(0, 8, 16, 24) & 0xffu);
     vec2 cells = vec2(cutOfPatch.y & 0xffu, cutOfPatch.y >> 8 & 0xffu);
     vec2 subPatches = vec2(cutOfPatch.z & 0xffffu, cutOfPatch.z >> 16);
@@ -92,10 +101,10 @@ void main()
     POINT du, dv;
     evaluate(pointsOfPatch, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = normalToView * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
+    vec3 normal = mat3(normalToView) * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
 #else
     // Sv × Su, as in the thesis.
-    vec3 normal = normalToView * cross(tangent(point, dv), tangent(point, du));
+    vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));
 #endif
     float size = dot(normal, normal);
     passNormal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
@@ -119,7 +128,7 @@ void main()
 #if defined(OVER_DOMAIN)
     vec4 domain = texelFetch(domains, int(placeOfPatch.y));
     passPictureCoord = domain.xy + t * domain.zw;
-#elif !defined(TEXTURED)
+#elif !defined(TEXTURED) && defined(SHARED)
     passPaint = ofSurface(11).rgb;
 #endif
 }

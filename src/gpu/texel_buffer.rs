@@ -38,6 +38,14 @@ impl TexelBuffer {
         Self::new(gl, label, vectors, &[glow::RGBA32F])
     }
 
+    /// A buffer of texels of four words each, with room for `count`. They are 0.
+    ///
+    /// # Errors
+    /// More texels than a buffer texture of the driver can have, or no memory.
+    pub(crate) fn of_texels(gl: &Gl, label: &str, count: usize) -> Result<Self> {
+        Self::new(gl, label, &vec![[0_u32; 4]; count], &[glow::RGBA32UI])
+    }
+
     fn new<T: Pod>(gl: &Gl, label: &str, values: &[T], formats: &[u32]) -> Result<Self> {
         // SAFETY: the context is current (see the module).
         let max = unsafe { gl.get_parameter_i32(glow::MAX_TEXTURE_BUFFER_SIZE) };

@@ -34,6 +34,11 @@ impl Attribute {
     }
 }
 
+/// A vertex without attributes: its shader fetches everything by the vertex' number.
+impl Vertex for () {
+    const ATTRIBUTES: &'static [Attribute] = &[];
+}
+
 /// The location of the colours, which are in a separate buffer.
 const COLORS: u32 = 4;
 
@@ -98,6 +103,12 @@ impl VertexArray {
             self.gl.vertex_array_vertex_buffer(self.raw, 0, Some(buffer.raw()), 0, self.bytes);
             self.gl.bind_vertex_array(Some(self.raw));
         }
+    }
+
+    /// Binds the layout without a buffer, if it has no attributes.
+    pub(crate) fn bind_bare(&self) {
+        // SAFETY: the context is current (see the module); the array lives.
+        unsafe { self.gl.bind_vertex_array(Some(self.raw)) }
     }
 
     /// Binds the layout with a buffer of its vertices and a buffer of indices.

@@ -3,26 +3,25 @@
 //! has changed since the last frame, only the draw calls are made.
 
 use std::collections::{BTreeMap, HashMap};
-use std::mem::offset_of;
 use std::ops::Range;
 use std::rc::Rc;
 
 use bytemuck::Pod;
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec4};
 
-use super::draws::{Draw, PlanKey, divide};
+use super::draws::{Draw, PlanKey, divide_into_instances};
 use super::surface::{PreparedSurface, Revision, to_bytes};
 use super::trims::TrimWords;
 use super::{Frame, RED, Renderer, in_lines};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::gpu::{Attribute, Buffer, TexelBuffer, Vertex};
+use crate::gpu::{Buffer, TexelBuffer};
 use crate::programs::{Output, Painting, TrimFeatures};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
     EdgeSource, EdgeTable, Eye, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
-    SurfacePatches, Tessellated, TrimmedList,
+    SurfacePatches, TrimmedList,
 };
 
 /// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
@@ -51,10 +50,10 @@ pub(crate) struct DrawList {
     staged: Vec<SubPatch>,
     /// The contents of the buffer `sub_patches`.
     uploaded: Vec<SubPatch>,
-    sub_patches: Option<Buffer>,
+    sub_patches: Option<TexelBuffer>,
     /// For each surface, the columns of its matrices as `f32` ([`matrices`]), the last of which is its colour.
     columns: Vec<Vec4>,
-    /// The same in a buffer.
+    /// The same in a buffer, if a draw needs those of several surfaces.
     matrices: Option<TexelBuffer>,
     /// For each patch, where its domain lies in that of its surface, if a picture is drawn over the latter.
     domains: Option<TexelBuffer>,
@@ -65,16 +64,8 @@ pub(crate) struct DrawList {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct DrawKey {
     plan: PlanKey,
-    wireframe: bool,
     /// Whether the lines of a wireframe are red.
     in_red: bool,
-}
-
-impl Vertex for SubPatch {
-    const ATTRIBUTES: &'static [Attribute] = &[
-        Attribute::words(0, 4, offset_of!(Self, first_point)),
-        Attribute::words(1, 4, offset_of!(Self, edges)),
-    ];
 }
 
 /// The properties that all sub-patches of a list share.
@@ -87,6 +78,8 @@ pub(crate) struct Batch {
     pub(crate) degree: Option<Degree>,
     pub(crate) shading: Shading,
     pub(crate) patches: PatchKind,
+    /// Whether other surfaces belong to the batch too. Each has its own matrices and colour.
+    pub(crate) shared: bool,
     pub(crate) painting: Painting,
     pub(crate) trims: TrimFeatures,
 }
@@ -124,7 +117,6 @@ impl DrawList {
         self.trims.update(renderer.gl(), surfaces)?;
         let key = DrawKey {
             plan: PlanKey::new(frame, frame.settings.tessellation),
-            wireframe: frame.settings.wireframe,
             in_red: in_lines(&frame.settings, Output::Picture),
         };
         let same = self.note_revisions(surfaces);
@@ -153,12 +145,17 @@ impl DrawList {
         of_each.map(|draws| &self.batches[draws[0].batch])
     }
 
-    pub(crate) const fn sub_patches(&self) -> Option<&Buffer> {
+    pub(crate) const fn sub_patches(&self) -> Option<&TexelBuffer> {
         self.sub_patches.as_ref()
     }
 
     pub(crate) const fn matrices(&self) -> Option<&TexelBuffer> {
         self.matrices.as_ref()
+    }
+
+    /// The matrices of a surface, column by column, and its colour.
+    pub(super) fn columns(&self, surface: usize) -> &[Vec4] {
+        &self.columns[surface * MATRIX_TEXELS..][..MATRIX_TEXELS]
     }
 
     pub(super) const fn domains(&self) -> Option<&TexelBuffer> {
@@ -218,17 +215,21 @@ impl DrawList {
                     painting,
                     trims,
                 };
-                *known.entry(key).or_insert_with(|| {
+                let batch = *known.entry(key).or_insert_with(|| {
                     batches.push(Batch {
                         surface: number,
                         degree,
                         shading: surface.shading(),
                         patches,
+                        shared: false,
                         painting,
                         trims,
                     });
                     batches.len() as u32 - 1
-                })
+                });
+                let known = &mut batches[batch as usize];
+                known.shared |= known.surface != number;
+                batch
             };
             let kept = PatchKind::ALL.map(|patches| list(patches, TrimFeatures::NONE));
             let exact = surface.uploaded_trims().exact.as_ref();
@@ -305,9 +306,9 @@ impl DrawList {
             return Ok(());
         }
         let bytes = count * size_of::<SubPatch>();
-        if self.sub_patches.as_ref().is_none_or(|sub_patches| sub_patches.bytes() < bytes) {
-            let room = vec![0_u8; (bytes + ROOM_FOR_SUB_PATCHES).next_power_of_two()];
-            self.sub_patches = Some(Buffer::new(gl, "sub-patches", &room)?);
+        if self.sub_patches.as_ref().is_none_or(|texels| texels.buffer().bytes() < bytes) {
+            let texels = (bytes + ROOM_FOR_SUB_PATCHES).next_power_of_two() / size_of::<[u32; 4]>();
+            self.sub_patches = Some(TexelBuffer::of_texels(gl, "sub-patches", texels)?);
             self.uploaded.clear();
         }
         self.staged.clear();
@@ -315,16 +316,13 @@ impl DrawList {
             self.staged.extend_from_slice(sub_patches);
         }
         if let Some(sub_patches) = &self.sub_patches {
-            write_changed(sub_patches, &self.uploaded, &self.staged);
+            write_changed(sub_patches.buffer(), &self.uploaded, &self.staged);
         }
         std::mem::swap(&mut self.uploaded, &mut self.staged);
-        let size = renderer.draw_size();
-        let vertices = self.plan.lists().iter().flatten().map(|one| u64::from(one.vertices()));
-        let max_vertices =
-            if key.wireframe { size.vertices() } else { size.vertices_of(vertices.sum()) };
+        let max_vertices = renderer.draw_size().vertices();
         let mut first = 0;
         for (batch, sub_patches) in self.plan.lists().iter().enumerate() {
-            divide(sub_patches, first, batch, max_vertices, &mut self.draws);
+            divide_into_instances(sub_patches, first, batch, max_vertices, &mut self.draws);
             first += sub_patches.len();
         }
         let texels: Vec<Vec4> = surfaces
@@ -338,6 +336,8 @@ impl DrawList {
             })
             .collect();
         match &self.matrices {
+            // Where no batch has several surfaces, the matrices are uniforms.
+            _ if !self.batches.iter().any(|batch| batch.shared) => self.matrices = None,
             Some(matrices) if matrices.buffer().bytes() == size_of_val(texels.as_slice()) => {
                 write_changed(matrices.buffer(), &self.columns, &texels);
             }

@@ -34,8 +34,10 @@ pub(super) struct Draw {
     pub(super) batch: usize,
     /// The index of the first patch.
     pub(super) first: usize,
-    /// The number of patches.
+    /// The number of patches of an instance.
     pub(super) count: usize,
+    /// The number of instances; each has the patches after those of the one before.
+    pub(super) instances: usize,
     /// The number of triangles that the tessellator generates for them.
     pub(super) triangles: u64,
 }
@@ -57,14 +59,40 @@ pub(super) fn divide<T: Tessellated>(
         let fitting = patches_of_next_draw(rest.iter().map(T::vertices), max_vertices);
         let count = rest[..fitting].iter().rposition(is_drawn).map_or(fitting, |last| last + 1);
         let triangles = rest[..count].iter().map(T::triangles).sum();
-        draws.push(Draw { batch, first: first + begin, count, triangles });
+        draws.push(Draw { batch, first: first + begin, count, instances: 1, triangles });
         begin += count;
     }
 }
 
+/// Divides the patches of a batch into few draws of several instances, so that an instance has the size that suits the
+/// driver: at most `max_vertices`, if it is the only one, otherwise from half to twice as many. Drivers tessellate the
+/// instances of a draw one after the other, as if they were draws.
+pub(super) fn divide_into_instances<T: Tessellated>(
+    patches: &[T],
+    first: usize,
+    batch: usize,
+    max_vertices: u32,
+    draws: &mut Vec<Draw>,
+) {
+    let mut begin = 0;
+    while begin < patches.len() {
+        let rest = &patches[begin..];
+        let count = patches_of_next_draw(rest.iter().map(T::vertices), max_vertices);
+        let is_alike = |group: &&[T]| {
+            let vertices: u32 = group.iter().map(T::vertices).sum();
+            (max_vertices / 2..=2 * max_vertices).contains(&vertices)
+        };
+        let others = rest[count..].chunks_exact(count).take_while(is_alike).count();
+        let instances = 1 + others;
+        let triangles = rest[..count * instances].iter().map(T::triangles).sum();
+        draws.push(Draw { batch, first: first + begin, count, instances, triangles });
+        begin += count * instances;
+    }
+}
+
 impl Renderer {
-    /// Makes the draw calls, for patches of `patch_vertices` vertices. `bind` binds what a batch
-    /// needs and the caller has not bound; it is called at the beginning of each batch. The
+    /// Makes the draw calls, for patches of `patch_vertices` vertices. `bind` binds what a draw needs
+    /// and the caller has not bound; its second argument is whether the draw begins a batch. The
     /// triangles are written to `captured`, if it is given, otherwise to the framebuffer.
     ///
     /// # Errors
@@ -73,14 +101,12 @@ impl Renderer {
         &self,
         draws: &[Draw],
         patch_vertices: usize,
-        mut bind: impl FnMut(usize),
+        mut bind: impl FnMut(&Draw, bool),
         mut captured: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
         let mut bound = None;
         for draw in draws {
-            if bound.replace(draw.batch) != Some(draw.batch) {
-                bind(draw.batch);
-            }
+            bind(draw, bound.replace(draw.batch) != Some(draw.batch));
             let feedback = match captured {
                 Some(_) => Some(
                     Feedback::begin(self.gl(), draw.triangles).inspect_err(|_| self.release())?,
@@ -91,7 +117,17 @@ impl Renderer {
             // SAFETY: the context is current (see the renderer); the range lies within the vertex
             // buffer that the caller or `bind` has bound, whose size in bytes was checked to fit an
             // i32.
-            unsafe { self.gl().draw_arrays(glow::PATCHES, first, count) }
+            unsafe {
+                match draw.instances {
+                    1 => self.gl().draw_arrays(glow::PATCHES, first, count),
+                    instances => self.gl().draw_arrays_instanced(
+                        glow::PATCHES,
+                        first,
+                        count,
+                        instances as i32,
+                    ),
+                }
+            }
             if let (Some(feedback), Some(captured)) = (feedback, captured.as_deref_mut()) {
                 feedback.end(captured);
             }

@@ -402,8 +402,10 @@ impl Renderer {
         };
         array.bind(&mesh.corners);
         array.bind_colors(mesh.colors.as_ref().filter(|_| colored));
-        let bind = |paint: usize| {
-            lines.as_ref().unwrap_or(&mesh.paints[paint].texture).bind(0);
+        let bind = |draw: &Draw, is_new: bool| {
+            if is_new {
+                lines.as_ref().unwrap_or(&mesh.paints[draw.batch].texture).bind(0);
+            }
         };
         self.make_draws(&mesh.draws, 3, bind, captured)
     }

@@ -2,12 +2,14 @@
 
 use super::capture::DrawnVertex;
 use super::draw_list::{Batch, DrawList};
-use super::uniforms::{set_aovs, set_depth, set_lights};
+use super::draws::Draw;
+use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
 use super::{Frame, PreparedSurface, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::samples_of_target;
 use crate::programs::{
-    CONTROL_POINTS_UNIT, DOMAINS_UNIT, Output, Painting, Pipeline, ProgramKey, SURFACES_UNIT,
+    CONTROL_POINTS_UNIT, DOMAINS_UNIT, Output, Painting, Pipeline, ProgramKey, SUB_PATCHES_UNIT,
+    SURFACES_UNIT, location,
 };
 use crate::scene::Shading;
 
@@ -42,6 +44,7 @@ impl Renderer {
                 degree: batch.degree,
                 samples,
                 patches: batch.patches,
+                shared: batch.shared,
                 painting: if is_painted(batch) { batch.painting } else { Painting::Color },
                 normals: settings.normals,
             },
@@ -58,11 +61,16 @@ impl Renderer {
             self.program(key(batch))?;
         }
         let this = &*self;
-        let bind = |batch: usize| {
-            let batch = &draw_list.batches()[batch];
-            let surface = &surfaces[batch.surface];
+        let bind = |draw: &Draw, is_new: bool| {
+            let batch = &draw_list.batches()[draw.batch];
             let program = &this.programs[&key(batch)];
+            if !is_new {
+                program.set_i32(location::GROUP_SIZE, draw.count as i32);
+                return;
+            }
+            let surface = &surfaces[batch.surface];
             program.bind();
+            program.set_i32(location::GROUP_SIZE, draw.count as i32);
             set_depth(program, frame);
             match output {
                 Output::Aovs => set_aovs(program, frame),
@@ -76,6 +84,11 @@ impl Renderer {
                 texture.bind(0);
             }
             surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
+            if !batch.shared {
+                let columns = draw_list.columns(batch.surface);
+                set_columns(program, columns, 1.0);
+                program.set_vec3(location::PAINT, columns[columns.len() - 1].truncate());
+            }
             for (buffer, unit) in
                 [(draw_list.matrices(), SURFACES_UNIT), (draw_list.domains(), DOMAINS_UNIT)]
             {
@@ -84,7 +97,8 @@ impl Renderer {
                 }
             }
             this.set_state(frame, 1, settings.wireframe);
-            this.sub_patches_array.bind(sub_patches);
+            sub_patches.bind(SUB_PATCHES_UNIT);
+            this.sub_patches_array.bind_bare();
         };
         self.make_draws(draw_list.draws(), 1, bind, captured)
     }

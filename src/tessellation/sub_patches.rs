@@ -225,21 +225,12 @@ pub(crate) enum DrawSize {
 }
 
 impl DrawSize {
-    /// The maximum number of vertices of a draw, unless a single patch has more.
+    /// The maximum number of vertices of a draw or of an instance, unless a single patch has more.
     pub(crate) const fn vertices(self) -> u32 {
         match self {
             Self::Small => 800,
             Self::Large => 32_000,
         }
-    }
-
-    /// The same for filled triangles that have so many vertices together. With more than a few dozen small draws, their
-    /// number costs nearly as much as their size; 10,000 vertices in a draw take a tenth longer than in many draws.
-    pub(crate) fn vertices_of(self, together: u64) -> u32 {
-        const DRAWS: u64 = 48;
-        const MOST: u64 = 9_000;
-        let even = (together / DRAWS).min(MOST) as u32;
-        self.vertices().max(even)
     }
 }
 

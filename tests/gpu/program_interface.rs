@@ -4,8 +4,8 @@
 use freeform_surface::inspect::Program;
 use freeform_surface::inspect::programs::{
     CONTROL_POINTS_UNIT, DOMAINS_UNIT, Output, Painting, PatchKind, Pipeline, ProgramKey,
-    SURFACES_UNIT, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING, TRIM_WORDS_UNIT,
-    TrimFeatures, location,
+    SUB_PATCHES_UNIT, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING,
+    TRIM_WORDS_UNIT, TrimFeatures, location,
 };
 use freeform_surface::{Degree, Error, Headless, Normals, Shading};
 use glow::HasContext as _;
@@ -230,7 +230,8 @@ fn the_exact_program_compiles_for_all_it_may_have() {
                 (true, true) => Painting::PictureOverDomain,
             };
             let degree = Some(degree).filter(|_| !has(5));
-            let pipeline = Pipeline::Exact { degree, samples, patches, painting, normals };
+            let shared = has(4);
+            let pipeline = Pipeline::Exact { degree, samples, patches, shared, painting, normals };
             let key =
                 ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
             let program = Sources::default()
@@ -241,7 +242,10 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             assert_eq!(unit("trimWords"), words, "{key:?}");
             assert_eq!(unit("trimPoints"), words.map(|unit| unit + 1), "{key:?}");
             assert_eq!(unit("controlPoints"), Some(CONTROL_POINTS_UNIT as i32));
-            assert_eq!(unit("surfaces"), Some(SURFACES_UNIT as i32));
+            assert_eq!(unit("surfaces"), shared.then_some(SURFACES_UNIT as i32));
+            assert_eq!(unit("subPatches"), Some(SUB_PATCHES_UNIT as i32));
+            let to_clip = (!shared).then_some(location::TO_CLIP);
+            assert_eq!(program.uniform_location("toClip"), to_clip);
             let is_shown = output == Output::Picture;
             let picture = has(4) && is_shown && (shading != Shading::Normals || has(2));
             assert_eq!(unit("colortexture"), picture.then_some(0), "{key:?}");
