@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::bezier::Degree;
+use crate::bezier::{Degree, MAX_COORDINATE};
 use crate::error::{Error, Result};
 
 /// Checks a knot vector for a curve of `points` control points.
@@ -22,8 +22,10 @@ pub(crate) fn check_knots(degree: usize, knots: &[f64], points: usize) -> Result
         let expected = format!("{}, points + degree + 1", points + degree + 1);
         return Err(Error::invalid("number of knots", knots.len(), expected));
     }
-    if let Some(index) = knots.iter().position(|knot| !knot.is_finite()) {
-        return Err(Error::invalid(format!("knot {index}"), knots[index], "a finite number"));
+    let is_usual = |knot: &f64| knot.is_finite() && knot.abs() <= MAX_COORDINATE;
+    if let Some(index) = knots.iter().position(|knot| !is_usual(knot)) {
+        let expected = "a finite number of size at most 1e15";
+        return Err(Error::invalid(format!("knot {index}"), knots[index], expected));
     }
     if let Some(index) = knots.windows(2).position(|pair| pair[1] < pair[0]) {
         let (knot, before) = (knots[index + 1], knots[index]);
@@ -46,7 +48,7 @@ pub(crate) struct Span {
     /// The index of the first of the degree + 1 control points that it depends on.
     pub(crate) first: usize,
     /// The factors of these control points, for each point of the Bézier curve.
-    factors: Vec<f64>,
+    pub(super) factors: Vec<f64>,
     /// Whether the curve goes on continuously into the next span.
     pub(crate) continues: bool,
 }

@@ -49,9 +49,7 @@ impl NurbsSurface {
     /// knots, a point that is not finite or above 1e15, a weight that is not from 1e-9 to 1e9. Knots and points are
     /// numbered from 0.
     pub fn new(degree: Degree, knots: [Vec<f64>; 2], points: Vec<DVec4>) -> Result<Self> {
-        let [columns, rows] = [("u", degree.u(), &knots[0]), ("v", degree.v(), &knots[1])]
-            .map(|(axis, degree, knots)| check_axis(axis, degree, knots));
-        let (columns, rows) = (columns?, rows?);
+        let [columns, rows] = Self::check_knots(degree, &knots)?;
         if columns.checked_mul(rows) != Some(points.len()) {
             return Err(Error::invalid(
                 "number of control points",
@@ -63,6 +61,15 @@ impl NurbsSurface {
             check_control_point(*point, index)?;
         }
         Ok(Self { degree, knots, points })
+    }
+
+    /// Checks knots along u and v. Returns the numbers of control points along u and v that they ask for.
+    ///
+    /// # Errors
+    /// As [`NurbsSurface::new`].
+    pub(crate) fn check_knots(degree: Degree, knots: &[Vec<f64>; 2]) -> Result<[usize; 2]> {
+        let columns = check_axis("u", degree.u(), &knots[0])?;
+        Ok([columns, check_axis("v", degree.v(), &knots[1])?])
     }
 
     /// The number of control points of all Bézier patches of a surface with such knots, or a little more.
@@ -163,43 +170,34 @@ impl NurbsSurface {
     ///
     /// The second value are their control points, patch after patch, each row by row.
     pub(crate) fn patches(&self) -> (PatchGrid, Vec<DVec4>) {
-        let [along_u, along_v] =
-            [spans(self.degree.u(), &self.knots[0]), spans(self.degree.v(), &self.knots[1])];
-        let weight = self.points[0].w;
-        let is_rational = self.points.iter().any(|point| point.w != weight);
-        // Blends of equal weights would differ from them by rounding.
-        let blended = |point: DVec4| if is_rational { homogeneous(point) } else { point };
-        let unblended = |point: DVec4| {
-            if is_rational {
-                (point.truncate() / point.w).extend(point.w)
-            } else {
-                point.truncate().extend(weight)
-            }
-        };
+        let [along_u, along_v] = [
+            Axis::new(self.degree.u(), &self.knots[0]),
+            Axis::new(self.degree.v(), &self.knots[1]),
+        ];
         // All patches along u of each row of control points, then the same along v of each column of these.
         let (wide, tall) =
-            (along_u.len() * self.degree.columns(), along_v.len() * self.degree.rows());
+            (along_u.spans.len() * self.degree.columns(), along_v.spans.len() * self.degree.rows());
         let mut rows = Vec::with_capacity(wide * self.rows());
         for row in self.points.chunks_exact(self.columns()) {
-            let row: Vec<DVec4> = row.iter().copied().map(blended).collect();
-            extend_with_curves(&along_u, &row, &mut rows);
+            along_u.extend_with_curves(row, &mut rows);
         }
         let mut column = Vec::with_capacity(self.rows());
         let mut columns = Vec::with_capacity(wide * tall);
         for i in 0..wide {
             column.clear();
             column.extend(rows[i..].iter().step_by(wide));
-            extend_with_curves(&along_v, &column, &mut columns);
+            along_v.extend_with_curves(&column, &mut columns);
         }
         drop(rows);
-        let closed = close(&mut columns, tall, is_rational);
+        let closed = close(&mut columns, tall);
+        let (along_u, along_v) = (along_u.spans, along_v.spans);
         let (in_row, in_column) = (self.degree.columns(), self.degree.rows());
         let mut points = Vec::with_capacity(wide * tall);
         for j in 0..along_v.len() {
             for i in 0..along_u.len() {
                 for row in j * in_column..(j + 1) * in_column {
                     let place = |column: usize| columns[(i * in_row + column) * tall + row];
-                    points.extend((0..in_row).map(place).map(unblended));
+                    points.extend((0..in_row).map(place));
                 }
             }
         }
@@ -262,29 +260,72 @@ fn de_boor(
     [points[degree], derivative]
 }
 
-/// Appends the control points of the Bézier curves of a B-spline curve. Where the curve is continuous, neighbours share
-/// their common end.
-fn extend_with_curves(spans: &[Span], points: &[DVec4], curves: &mut Vec<DVec4>) {
+/// The spans of a knot vector, in both directions.
+struct Axis {
+    spans: Vec<Span>,
+    /// Those of the knots in reverse order with the opposite sign.
+    reversed: Vec<Span>,
+}
+
+impl Axis {
+    fn new(degree: usize, knots: &[f64]) -> Self {
+        let reversed: Vec<f64> = knots.iter().rev().map(|knot| -knot).collect();
+        Self { spans: spans(degree, knots), reversed: spans(degree, &reversed) }
+    }
+
+    /// Appends the control points of the Bézier curves of a B-spline curve. Where the curve is continuous, neighbours
+    /// share their common end. The direction in which the curve is given makes no difference, not even by rounding.
+    fn extend_with_curves(&self, points: &[DVec4], curves: &mut Vec<DVec4>) {
+        let bits = |point: &DVec4| point.to_array().map(f64::to_bits);
+        let is_reversed = points.iter().rev().map(bits).lt(points.iter().map(bits));
+        let first = curves.len();
+        if is_reversed {
+            let points: Vec<DVec4> = points.iter().rev().copied().collect();
+            extend(&self.reversed, &points, curves);
+            curves[first..].reverse();
+        } else {
+            extend(&self.spans, points, curves);
+        }
+    }
+}
+
+fn extend(spans: &[Span], points: &[DVec4], curves: &mut Vec<DVec4>) {
     for (i, span) in spans.iter().enumerate() {
         let start = curves.len();
-        curves.extend(span.bezier(points));
+        let count = span.factors.len().isqrt();
+        let own = &points[span.first..][..count];
+        curves.extend(span.factors.chunks_exact(count).map(|factors| blend(factors, own)));
         if i > 0 && spans[i - 1].continues {
             curves[start - 1] = curves[start];
         }
     }
 }
 
+/// A blend of control points (x, y, z, weight). Equal weights stay what they are, and so does a point of which the
+/// blend consists alone.
+fn blend(factors: &[f64], points: &[DVec4]) -> DVec4 {
+    let used = || factors.iter().zip(points).filter(|(factor, _)| **factor != 0.0);
+    let weight = used().next().map_or(1.0, |(_, point)| point.w);
+    if used().count() == 1 {
+        return used().map(|(_, point)| *point).sum();
+    }
+    if used().all(|(_, point)| point.w == weight) {
+        let sum: DVec3 = used().map(|(factor, point)| point.truncate() * *factor).sum();
+        return sum.extend(weight);
+    }
+    let sum: DVec4 = used().map(|(factor, point)| homogeneous(*point) * *factor).sum();
+    (sum.truncate() / sum.w).extend(sum.w)
+}
+
 /// Closes a surface whose opposite borders are equal up to rounding, along u and along v. The control points are
 /// given column by column, `tall` points each. Returns along which directions they are equal.
-fn close(columns: &mut [DVec4], tall: usize, is_rational: bool) -> [bool; 2] {
-    /// Relative to the largest coordinate.
+fn close(columns: &mut [DVec4], tall: usize) -> [bool; 2] {
+    /// Relative to the largest coordinate, and of a weight.
     const ROUNDING: f64 = 1e-13;
     let size = columns.iter().map(|point| point.truncate().abs().max_element()).fold(0.0, f64::max);
-    let weight = columns.iter().map(|point| point.w).fold(0.0, f64::max);
     let equal = |a: &DVec4, b: &DVec4| {
         let off = (*a - *b).abs();
-        off.truncate().max_element() <= ROUNDING * size
-            && (!is_rational || off.w <= ROUNDING * weight)
+        off.truncate().max_element() <= ROUNDING * size && off.w <= ROUNDING * a.w
     };
     let last = columns.len() - tall;
     let along_u = (0..tall).all(|i| equal(&columns[i], &columns[last + i]));

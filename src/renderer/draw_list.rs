@@ -193,6 +193,7 @@ impl DrawList {
     fn sort(&mut self, surfaces: &[PreparedSurface]) {
         self.batches.clear();
         self.lists.clear();
+        self.domains = None;
         let mut known: HashMap<BatchKey, u32> = HashMap::new();
         let common = common_degrees(surfaces);
         for (number, surface) in surfaces.iter().enumerate() {
@@ -357,9 +358,9 @@ impl DrawList {
 /// frequent ones share a program. It takes longer to draw, but a program takes long to compile.
 fn common_degrees(surfaces: &[PreparedSurface]) -> Vec<Degree> {
     /// The largest number of degrees that all have programs of their own, besides 4×4 and 5×5 points.
-    const FEW: usize = 4;
+    const FEW: usize = 3;
     /// How many have their own if there are more.
-    const OF_MANY: usize = 3;
+    const OF_MANY: usize = 2;
     let mut counts: BTreeMap<Degree, usize> = BTreeMap::new();
     for surface in surfaces {
         *counts.entry(surface.degree()).or_default() += surface.cones().len();

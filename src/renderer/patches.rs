@@ -32,7 +32,7 @@ impl Renderer {
         let settings = &frame.settings;
         let samples = samples_of_target(self.gl());
         let in_lines = in_lines(settings, output);
-        // Red lines, normals and AOVs need no picture, unless it has holes.
+        // Red lines and AOVs need no picture. Normals need it only if it has holes.
         let is_painted = |batch: &Batch| {
             let texture = surfaces[batch.surface].texture();
             let has_holes = texture.is_some_and(|texture| texture.has_holes());

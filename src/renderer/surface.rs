@@ -126,7 +126,9 @@ impl PreparedSurface {
                 let patches = points.chunks_exact(degree.points()).enumerate();
                 let pairs = patches.zip(before.chunks_exact(degree.points()));
                 let changed = pairs.filter(|((_, now), before)| now != before);
-                (changed.map(|((patch, _), _)| patch).collect(), true)
+                let changed: Vec<usize> = changed.map(|((patch, _), _)| patch).collect();
+                let on_border = changed.iter().any(|patch| self.surface.is_outermost(*patch));
+                (changed, on_border)
             }
         };
         for patch in &changed {

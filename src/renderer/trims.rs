@@ -121,7 +121,9 @@ impl TrimWords {
             let size = exact.size();
             if size > slot.size {
                 if self.used + size > self.room {
-                    return self.upload_all(gl, surfaces);
+                    // If this fails, nothing is uploaded.
+                    let uploaded = self.upload_all(gl, surfaces);
+                    return uploaded.inspect_err(|_| *self = Self::default());
                 }
                 *slot = Slot { first: self.used, size, ..*slot };
                 self.used += size;
@@ -154,7 +156,7 @@ impl TrimWords {
                 reason: format!("{} words of all surfaces; at most {MOST} fit", self.used),
             });
         }
-        self.room = (self.used + self.used / 8).next_multiple_of(ALIGNMENT);
+        self.room = (self.used + self.used / 8).next_multiple_of(ALIGNMENT).min(MOST);
         let mut words = vec![0; self.room];
         for (slot, surface) in self.slots.iter().zip(surfaces) {
             let exact = surface.uploaded_trims().exact.as_ref();

@@ -35,7 +35,7 @@ use trims::{PlacedTrims, TrimPlaces};
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 const MAX_STRING_BYTES: usize = 64;
 /// The maximum number of control points of the Bézier patches of a NURBS surface: 32 MiB.
-const MAX_PATCH_POINTS: usize = 1 << 20;
+pub(super) const MAX_PATCH_POINTS: usize = 1 << 20;
 
 /// Parses a scene; `path` appears in error messages, and files that the scene names are found relative to its folder.
 ///
@@ -235,7 +235,13 @@ impl Builder<'_> {
         let degree = degree.transpose()?;
         let mut surfaces = match (table.control_points, table.file) {
             (Some(points), None) => {
-                vec![self.check(points, |points| surface_of_points(points, degree, table.knots))?]
+                let knots = match (degree, table.knots) {
+                    (Some(degree), Some(knots)) => {
+                        Some(self.check(knots, |knots| checked_knots(degree, knots))?)
+                    }
+                    _ => None,
+                };
+                vec![self.check(points, |points| surface_of_points(points, degree, knots))?]
             }
             (None, Some(file)) => {
                 let path = self.beside_scene(file.get_ref());
@@ -426,11 +432,23 @@ fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {
     Camera::new(table.eye.into(), table.target.into(), table.up.into(), lens)
 }
 
+/// Checks the knots along u and v of a surface.
+fn checked_knots(degree: Degree, knots: [Vec<f64>; 2]) -> Result<[Vec<f64>; 2]> {
+    NurbsSurface::check_knots(degree, &knots)?;
+    let count = NurbsSurface::points_of_patches(degree, &knots);
+    if count > MAX_PATCH_POINTS {
+        let expected =
+            format!("at most {MAX_PATCH_POINTS}; a larger surface belongs in an .obj file");
+        return Err(Error::invalid("control points of all patches", count, expected));
+    }
+    Ok(knots)
+}
+
 /// A NURBS surface; or without knots, a patch of a degree; or without a degree, of 4×4 or 5×5 points.
 fn surface_of_points(
     points: ControlPoints,
     degree: Option<Degree>,
-    knots: Option<Spanned<[Vec<f64>; 2]>>,
+    knots: Option<[Vec<f64>; 2]>,
 ) -> Result<Surface> {
     let points = match points {
         ControlPoints::Default => default_control_points(),
@@ -438,13 +456,6 @@ fn surface_of_points(
     };
     match (degree, knots) {
         (Some(degree), Some(knots)) => {
-            let knots = knots.into_inner();
-            let count = NurbsSurface::points_of_patches(degree, &knots);
-            if count > MAX_PATCH_POINTS {
-                let expected =
-                    format!("at most {MAX_PATCH_POINTS}; a larger surface belongs in an .obj file");
-                return Err(Error::invalid("control points of all patches", count, expected));
-            }
             NurbsSurface::new(degree, knots, points).map(Surface::from_nurbs)
         }
         (Some(degree), None) => Surface::of_patch(degree, points),

@@ -144,6 +144,19 @@ impl Surface {
         self.nurbs.as_deref().map(|nurbs| &nurbs.surface)
     }
 
+    /// Whether a patch of a NURBS surface has an edge that another surface may share: on the border of the domain, or
+    /// where the surface is torn.
+    pub(crate) fn is_outermost(&self, patch: usize) -> bool {
+        let Some(grid) = self.patch_grid() else { return true };
+        let is_free = |continues: &[bool], place: usize| {
+            let before = if place == 0 { continues.len() - 1 } else { place - 1 };
+            place == 0 || place + 1 == continues.len() || !continues[place] || !continues[before]
+        };
+        let columns = grid.columns.len();
+        is_free(&grid.column_continues, patch % columns)
+            || is_free(&grid.row_continues, patch / columns)
+    }
+
     /// How the patches of a NURBS surface divide its domain.
     pub(crate) fn patch_grid(&self) -> Option<&PatchGrid> {
         self.nurbs.as_deref().map(|nurbs| &nurbs.grid)

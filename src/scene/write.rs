@@ -11,7 +11,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use image::ImageFormat;
 
-use super::document::{check_surface, transform};
+use super::document::{MAX_PATCH_POINTS, check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
     Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
@@ -151,7 +151,8 @@ impl Writer<'_> {
         let start = self.out.text.len();
         self.surface_with(surface, false)?;
         let checked = check_surface(&self.out.text[start..]);
-        if checked.is_err() && surface.nurbs().is_some() {
+        let is_large = surface.nurbs().is_some() && surface.patch_points().len() > MAX_PATCH_POINTS;
+        if is_large || (checked.is_err() && surface.nurbs().is_some()) {
             self.out.text.truncate(start);
             self.surface_with(surface, true)?;
             return check_surface(&self.out.text[start..]);
@@ -163,7 +164,8 @@ impl Writer<'_> {
     fn surface_with(&mut self, surface: &Surface, nurbs_in_file: bool) -> Result<()> {
         self.header("[[surface]]");
         let points = surface.control_points();
-        if points == default_control_points() && surface.nurbs().is_none() {
+        let is_default = points == default_control_points() && surface.degree() == Degree::CUBIC;
+        if is_default && surface.nurbs().is_none() {
             self.line("control_points", "\"default\"");
         } else if let Some(nurbs) = surface.nurbs().filter(|_| !nurbs_in_file) {
             let [u, v] = nurbs.knots();

@@ -152,15 +152,18 @@ impl Content {
         let mut is_inside = false;
         self.fills.retain_mut(|fill| {
             let mut touches = false;
-            for one in &mut fill.loops {
-                let (limited, reaches) = limited(one, block);
-                *one = limited;
+            let middle = block[0].midpoint(block[1]);
+            let around = |segments: &[Segment]| -> i32 {
+                segments.iter().map(|segment| super::ray_crossings(segment, middle)).sum()
+            };
+            fill.loops.retain_mut(|one| {
+                let reaches;
+                (*one, reaches) = limited(one, block);
                 touches |= reaches;
-            }
+                reaches || around(one) != 0
+            });
             if !touches {
-                let middle = block[0].midpoint(block[1]);
-                let segments = fill.loops.iter().flatten();
-                let number = segments.map(|segment| super::ray_crossings(segment, middle)).sum();
+                let number = fill.loops.iter().map(|one| around(one)).sum();
                 is_inside |= fill.rule.fills(number);
             }
             touches

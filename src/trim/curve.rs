@@ -67,7 +67,12 @@ impl TrimCurve {
         let points = homogeneous(points)?;
         let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
         let mut pieces: Vec<Vec<DVec3>> = Vec::new();
-        for ([start, end], piece) in bezier_curves(degree, knots, &points) {
+        // Blends of equal weights would differ from them by rounding.
+        let equal = points.iter().all(|point| point.z == points[0].z).then_some(points[0].z);
+        for ([start, end], mut piece) in bezier_curves(degree, knots, &points) {
+            if let Some(weight) = equal {
+                piece.iter_mut().for_each(|point| point.z = weight);
+            }
             if start < high && low < end {
                 let share = |t: f64| ((t - start) / (end - start)).clamp(0.0, 1.0);
                 pieces.push(part(piece, [share(low), share(high)]));
@@ -102,12 +107,24 @@ impl TrimCurve {
             match Segment::new(&places) {
                 Ok(segment) if same_weight => segments.push(segment),
                 _ => {
-                    let scaled = |point: &DVec3| (point.truncate() / unit).extend(point.z);
-                    let piece: Vec<DVec3> = piece.iter().map(scaled).collect();
+                    // Relative to a point of the curve, so that few digits are lost far from the origin.
+                    let origin = places[0];
+                    let moved = |point: &DVec3| {
+                        ((point.truncate() - origin * point.z) / unit).extend(point.z)
+                    };
+                    let piece: Vec<DVec3> = piece.iter().map(moved).collect();
+                    let digits = 4.0 * f64::EPSILON * (origin / unit).abs().max_element();
+                    let (start, end) = (places[0], places[places.len() - 1]);
                     let first = segments.len();
-                    approximate(&piece, 0, segments);
+                    approximate(&piece, digits, 0, segments);
                     for segment in &mut segments[first..] {
-                        *segment = segment.map(|place| place * unit);
+                        *segment = segment.map(|place| origin + place * unit);
+                    }
+                    // The ends are those of the neighbours, bit for bit.
+                    segments[first].points_mut()[0] = start;
+                    if let Some(last) = segments.last_mut() {
+                        let count = last.points().len();
+                        last.points_mut()[count - 1] = end;
                     }
                 }
             }
@@ -199,12 +216,12 @@ fn place(point: DVec3) -> DVec2 {
     point.truncate() / point.z
 }
 
-/// Appends the segments of a Bézier curve.
-fn approximate(points: &[DVec3], halvings: u32, segments: &mut Vec<Segment>) {
+/// Appends the segments of a Bézier curve. They need not be closer to it than `digits`.
+fn approximate(points: &[DVec3], digits: f64, halvings: u32, segments: &mut Vec<Segment>) {
     let (start, end) = (place(points[0]), place(points[points.len() - 1]));
     // Far from the origin, `f64` has no digits for the tolerance.
     let size = points.iter().map(|point| place(*point).abs().max_element()).fold(1.0, f64::max);
-    let tolerance = TOLERANCE.max(1e-14 * size);
+    let tolerance = TOLERANCE.max(1e-14 * size).max(digits);
     let to_chord = |point: &DVec3| {
         let (along, off) = (end - start, place(*point) - start);
         let share = off.dot(along) / along.length_squared();
@@ -226,8 +243,8 @@ fn approximate(points: &[DVec3], halvings: u32, segments: &mut Vec<Segment>) {
     }
     let (mut before, mut after) = (points.to_vec(), points.to_vec());
     split_slice(&mut before, &mut after, |a, b| 0.5 * (a + b));
-    approximate(&before, halvings + 1, segments);
-    approximate(&after, halvings + 1, segments);
+    approximate(&before, digits, halvings + 1, segments);
+    approximate(&after, digits, halvings + 1, segments);
 }
 
 /// A cubic and the parameters on the curve that its parameters correspond to, a polynomial in Bernstein form.

@@ -20,15 +20,17 @@ const POINT: Color32 = Color32::from_rgb(0, 128, 255);
 /// Gold: highlights the object under the cursor, here and in the picture.
 pub(super) const HIGHLIGHT: Color32 = Color32::from_rgb(255, 220, 80);
 
-/// Draws the trims over the unit square. Returns the changed trims if one of their points was dragged.
-pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
+/// Draws the trims over a domain, which is given by its first and last (u, v). Returns the changed trims if one of
+/// their points was dragged.
+pub(super) fn show(ui: &mut Ui, trims: &Trims, domain: [DVec2; 2]) -> Option<Result<Trims>> {
     let (response, painter) = ui.allocate_painter(vec2(SIDE, SIDE), Sense::drag());
     // Leaves room for points that lie a little outside.
     let square = response.rect.shrink(14.0);
     painter.rect_filled(response.rect, 2.0, Color32::from_gray(25));
     let border = Stroke::new(1.0, Color32::from_gray(160));
     painter.rect_stroke(square, 0.0, border, egui::StrokeKind::Middle);
-    let place = |uv: DVec2| place(square, uv);
+    let [low, high] = domain;
+    let place = |uv: DVec2| place(square, (uv - low) / (high - low));
     curves(&painter, trims, place);
     let points = if trims.segment_count() > MANY_TO_PULL { Vec::new() } else { handles(trims) };
     let id = response.id;
@@ -55,20 +57,21 @@ pub(super) fn show(ui: &mut Ui, trims: &Trims) -> Option<Result<Trims>> {
     }
     let pointer =
         response.interact_pointer_pos().filter(|_| response.drag_delta() != vec2(0.0, 0.0));
-    held.zip(pointer).map(|(handle, at)| pulled(trims, handle, domain(square, at)))
+    let uv = |at: Pos2| low + share(square, at) * (high - low);
+    held.zip(pointer).map(|(handle, at)| pulled(trims, handle, uv(at)))
 }
 
 /// The point that is being dragged.
 #[derive(Debug, Clone, Copy, Default)]
 struct Held(Option<Handle>);
 
-/// The place of a point of the domain in the inset; v points upwards.
-fn place(square: Rect, uv: DVec2) -> Pos2 {
+/// The place in the inset of a point that is given as a share of the domain; v points upwards.
+fn place(square: Rect, share: DVec2) -> Pos2 {
     let size = square.size();
-    pos2(square.left() + uv.x as f32 * size.x, square.bottom() - uv.y as f32 * size.y)
+    pos2(square.left() + share.x as f32 * size.x, square.bottom() - share.y as f32 * size.y)
 }
 
-fn domain(square: Rect, at: Pos2) -> DVec2 {
+fn share(square: Rect, at: Pos2) -> DVec2 {
     let size = square.size();
     dvec2(f64::from((at.x - square.left()) / size.x), f64::from((square.bottom() - at.y) / size.y))
 }

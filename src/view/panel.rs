@@ -259,9 +259,9 @@ fn surface(ui: &mut Ui, state: &mut State) {
         }
         paint(ui, state, |scene, i| &scene.surfaces[i].paint, Change::SurfacePaint, number);
     });
-    let trims = &state.scene().surfaces[number].trims;
-    let edited = numbers(ui, trims).map(Ok);
-    if let Some(trims) = inset::show(ui, trims).or(edited) {
+    let surface = &state.scene().surfaces[number];
+    let edited = numbers(ui, &surface.trims).map(Ok);
+    if let Some(trims) = inset::show(ui, &surface.trims, surface.domain()).or(edited) {
         let done = trims.and_then(|trims| state.edit(vec![Change::Trims(number, Box::new(trims))]));
         state.report(done);
     }

@@ -149,7 +149,7 @@ pub(crate) fn switched(
         return with_trims(&|number, trims| {
             (number == selected).then(|| {
                 let mut trims = trims.clone();
-                add(&mut trims, kind);
+                add(&mut trims, kind, scene.surfaces[number].domain());
                 *switch(&mut trims, kind) = true;
                 trims
             })
@@ -185,8 +185,8 @@ const fn switch(trims: &mut Trims, kind: TrimKind) -> &mut bool {
 }
 
 /// The loop that is added to a surface without loops: two quadratics in the form that the thesis' method needs.
-fn lens_loop(scale: f64) -> Result<TrimLoop> {
-    let at = |u: f64, v: f64| dvec2(0.5, 0.5) + dvec2(u, v) * scale;
+fn lens_loop([low, high]: [DVec2; 2], scale: f64) -> Result<TrimLoop> {
+    let at = |u: f64, v: f64| low.midpoint(high) + dvec2(u, v) * scale * (high - low);
     let (left, right) = (at(-0.3, 0.0), at(0.3, 0.0));
     TrimLoop::new(vec![
         Segment::Quadratic([left, at(0.0, 0.4), right]),
@@ -194,17 +194,22 @@ fn lens_loop(scale: f64) -> Result<TrimLoop> {
     ])
 }
 
-/// Adds a trim of a kind in a place where it is well visible.
-fn add(trims: &mut Trims, kind: TrimKind) {
+/// Adds a trim of a kind in a place of the domain where it is well visible.
+fn add(trims: &mut Trims, kind: TrimKind, [low, high]: [DVec2; 2]) {
+    let size = high - low;
+    let at = |u: f64, v: f64| low + dvec2(u, v) * size;
     match kind {
-        TrimKind::Circle => trims.circles.extend(Circle::new(dvec2(0.5, 0.5), 0.2)),
+        TrimKind::Circle => {
+            trims.circles.extend(Circle::new(at(0.5, 0.5), 0.2 * size.min_element()));
+        }
         TrimKind::Rect => {
-            trims.rects.extend(Rect::new(dvec2(0.1, 0.3), dvec2(0.6, 0.9)));
+            let (from, to) = (at(0.1, 0.6), at(0.3, 0.9));
+            trims.rects.extend(Rect::new(dvec2(from.x, to.x), dvec2(from.y, to.y)));
         }
         TrimKind::Ellipse => {
-            trims.ellipses.extend(Ellipse::new(dvec2(0.5, 0.2), dvec2(0.3, 0.1)));
+            trims.ellipses.extend(Ellipse::new(at(0.5, 0.2), dvec2(0.3, 0.1) * size));
         }
-        TrimKind::Loop | TrimKind::Nested => trims.loops.extend(lens_loop(1.0)),
+        TrimKind::Loop | TrimKind::Nested => trims.loops.extend(lens_loop([low, high], 1.0)),
     }
 }
 
@@ -247,7 +252,10 @@ fn switched_nested(scene: &Scene, selected: usize, put_by: &mut PutBy) -> Vec<Ch
         let mut loops = trims.loops.clone();
         match loops.first().map(shrunk) {
             Some(inner) => loops.extend(inner),
-            None => loops.extend(lens_loop(1.0).into_iter().chain(lens_loop(0.5))),
+            None => {
+                let domain = scene.surfaces[selected].domain();
+                loops.extend([1.0, 0.5].into_iter().flat_map(|scale| lens_loop(domain, scale)));
+            }
         }
         edits.push(with_loops(selected, trims, loops));
     }
@@ -337,15 +345,18 @@ mod tests {
         assert_eq!(scene.surfaces[0].trims, nested.surfaces[0].trims);
     }
 
+    /// The domain of a Bézier patch.
+    const UNIT: [DVec2; 2] = [DVec2::ZERO, DVec2::ONE];
+
     #[test]
     fn a_pulled_point_is_where_it_was_pulled_to() {
         let mut trims = Trims::default();
         for kind in KINDS {
-            add(&mut trims, kind);
+            add(&mut trims, kind, UNIT);
         }
         trims
             .paths
-            .push(TrimPath { loops: vec![lens_loop(0.2).unwrap()], rule: FillRule::NonZero });
+            .push(TrimPath { loops: vec![lens_loop(UNIT, 0.2).unwrap()], rule: FillRule::NonZero });
         let all = handles(&trims);
         assert_eq!(all.len(), 2 + 2 + 3 + 4 + 4 + 4);
         for (i, (handle, place)) in all.iter().enumerate() {

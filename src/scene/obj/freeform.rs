@@ -54,6 +54,8 @@ enum Content {
         /// The first and the last parameter along u and along v.
         range: [[f64; 2]; 2],
         loops: Vec<Loop>,
+        /// Whether a `trim` was left out.
+        lacks_border: bool,
     },
 }
 
@@ -81,7 +83,10 @@ impl FreeForm {
                     index(position, "position", count)
                 });
                 let points = points.collect::<Result<_, _>>()?;
-                self.begin(Content::Surface { points, range, loops: Vec::new() }, line)?;
+                self.begin(
+                    Content::Surface { points, range, loops: Vec::new(), lacks_border: false },
+                    line,
+                )?;
             }
             "curv2" => {
                 let count = self.vertices.len();
@@ -151,7 +156,8 @@ impl FreeForm {
         mut words: impl Iterator<Item = &'a str>,
         line: usize,
     ) -> Result<(), String> {
-        let Some(Content::Surface { loops, .. }) = self.element.as_mut().map(|it| &mut it.content)
+        let Some(Content::Surface { loops, lacks_border, .. }) =
+            self.element.as_mut().map(|it| &mut it.content)
         else {
             return Err(format!("{name} outside of a surface; expected between surf and its end"));
         };
@@ -179,10 +185,12 @@ impl FreeForm {
         if parts.is_empty() {
             return Err(format!("{name} has no part; expected {PARTS}"));
         }
+        let is_hole = name == "hole";
         if is_left_out {
+            *lacks_border |= !is_hole;
             self.leave_out(format!("{name} statement with unsupported curves"));
         } else {
-            loops.push(Loop { line, is_hole: name == "hole", parts });
+            loops.push(Loop { line, is_hole, parts });
         }
         Ok(())
     }
@@ -195,7 +203,11 @@ impl FreeForm {
                 let curve = self.curve(points, &parameters[0], line)?;
                 self.curves.push(curve);
             }
-            Content::Surface { points, range, loops } => {
+            Content::Surface { points, range, mut loops, lacks_border } => {
+                if lacks_border {
+                    // Its holes would be taken for the border.
+                    loops.clear();
+                }
                 let surface = self.surface(points, &parameters, range, loops, line)?;
                 self.surfaces.extend(surface);
             }
@@ -279,7 +291,13 @@ impl FreeForm {
 
     /// The unsupported elements in words: "2 cardinal surfaces".
     pub(super) fn left_out(&self) -> Vec<String> {
-        self.left_out.iter().map(|(name, count)| counted(*count, name)).collect()
+        let counted = |(name, count): (&String, &usize)| {
+            // The noun comes before these words.
+            let end = [" in ", " with ", " of "].iter().filter_map(|words| name.find(words)).min();
+            let (noun, rest) = name.split_at(end.unwrap_or(name.len()));
+            format!("{}{rest}", counted(*count, noun))
+        };
+        self.left_out.iter().map(counted).collect()
     }
 }
 

@@ -34,11 +34,18 @@ pub(in crate::scene) fn surface_text(surface: &Surface) -> Result<String> {
     let [low, high] = surface.domain();
     let range = format!("{:?} {:?} {:?} {:?}", low.x, high.x, low.y, high.y);
     let surf = format!("surf {range}{}", words(1..=points.len()));
-    if surf.len() > MAX_LINE {
-        let expected = "few enough to be named in one line of OBJ, of 1 MiB";
-        return Err(Error::invalid("number of control points", points.len(), expected));
-    }
     let [u, v] = nurbs.knots().each_ref().map(words);
+    for (what, count, line) in [
+        ("number of control points", points.len(), &surf),
+        ("number of knots along u", nurbs.knots()[0].len(), &u),
+        ("number of knots along v", nurbs.knots()[1].len(), &v),
+    ] {
+        // With the name of its statement and the end of the line.
+        if line.len() + 16 > MAX_LINE {
+            let expected = "few enough for one line of OBJ, of 1 MiB";
+            return Err(Error::invalid(what, count, expected));
+        }
+    }
     let _ = writeln!(text, "{surf}\nparm u{u}\nparm v{v}\nend");
     Ok(text)
 }

@@ -125,15 +125,15 @@ impl FreeForm {
         Ok(surfaces)
     }
 
-    /// The trims of a surface. Without an outer loop, its border is that of the domain.
+    /// The trims of a surface. If its first loop is a hole, its border is that of the domain.
     fn trims(
         &self,
         loops: &[Loop],
         sizes: &ParameterSizes,
         used: &mut Used,
     ) -> Result<Trims, Fault> {
-        let is_border = |one: &Loop| !one.is_hole;
-        let keep = if loops.iter().any(is_border) { Keep::Inside } else { Keep::Outside };
+        let begins_with_border = loops.first().is_some_and(|one| !one.is_hole);
+        let keep = if begins_with_border { Keep::Inside } else { Keep::Outside };
         let mut trims = Trims { keep, ..Trims::default() };
         let mut segments = 0;
         for Loop { line, is_hole, parts } in loops {
