@@ -151,6 +151,12 @@ impl Renderer {
         Ok(program)
     }
 
+    /// The number of programs that were compiled until now.
+    #[must_use]
+    pub fn program_count(&self) -> usize {
+        self.programs.len()
+    }
+
     /// Sets the OpenGL state for drawing patches.
     pub(crate) fn set_state(&self, frame: &Frame, patch_vertices: usize, wireframe: bool) {
         let gl = &self.gl;

@@ -87,7 +87,12 @@ impl Renderer {
             if !batch.shared {
                 let columns = draw_list.columns(batch.surface);
                 set_columns(program, columns, 1.0);
-                program.set_vec3(location::PAINT, columns[columns.len() - 1].truncate());
+                let ProgramKey { shading, pipeline, .. } = key(batch);
+                let has_color =
+                    matches!(pipeline, Pipeline::Exact { painting: Painting::Color, .. });
+                if has_color && shading != Shading::Normals && output != Output::Aovs {
+                    program.set_vec3(location::PAINT, columns[columns.len() - 1].truncate());
+                }
             }
             for (buffer, unit) in
                 [(draw_list.matrices(), SURFACES_UNIT), (draw_list.domains(), DOMAINS_UNIT)]

@@ -80,6 +80,67 @@ fn the_patches_of_a_surface_meet_bit_for_bit() {
     }
 }
 
+/// Two sheets that share a border curve with inner knots: the second runs the other way, and has weights elsewhere.
+fn sheets_side_by_side() -> Scene {
+    let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 3.0, 7.0, 8.0, 8.0, 8.0, 8.0];
+    let border: Vec<DVec3> = (0..7)
+        .map(|i| {
+            let i = f64::from(i);
+            DVec3::new(0.0, 0.37 * i, (1.9 * i).sin())
+        })
+        .collect();
+    let along_u = || vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let reversed: Vec<f64> = knots.iter().rev().map(|knot| 8.0 - knot).collect();
+    let sheet = |knots: Vec<f64>, border: Vec<DVec3>, side: f64, weight: f64| {
+        let points = border.iter().flat_map(|point| {
+            [0.0, 1.0, 2.0].map(|column| {
+                let off = DVec3::new(side * column, 0.0, 0.2 * column);
+                (*point + off).extend(if column == 1.0 { weight } else { 1.0 })
+            })
+        });
+        let degree = Degree::new(2, 3).unwrap();
+        let points = points.collect();
+        Surface::from_nurbs(NurbsSurface::new(degree, [along_u(), knots], points).unwrap())
+    };
+    let back = border.iter().rev().copied().collect();
+    scene_of(vec![sheet(knots, border, 1.0, 1.0), sheet(reversed, back, -1.0, 2.5)])
+}
+
+#[test]
+fn surfaces_with_the_same_border_meet_bit_for_bit() {
+    let mut stage = Stage::new(uvec2(960, 540));
+    let mut scene = sheets_side_by_side();
+    let points: Vec<Vec<[u64; 4]>> = scene
+        .surfaces
+        .iter()
+        .map(|surface| {
+            let first = surface.patches().flat_map(|patch| patch.points().iter().step_by(3));
+            first.map(|point| point.to_array().map(f64::to_bits)).collect()
+        })
+        .collect();
+    let mut back = points[1].clone();
+    back.reverse();
+    assert_eq!(points[0], back);
+    scene.camera = Some(scene.framed(stage.aspect()));
+    let mut prepared = stage.prepared(&scene);
+    let drawn = stage.triangles(&mut prepared, &stage.frame(&scene));
+    let met = check_neighbours("side by side", &scene, &drawn);
+    // 4 edges between the sheets, and 3 within each.
+    assert!(met.pairs >= 4 + 2 * 3, "{} pairs", met.pairs);
+}
+
+#[test]
+fn thirty_pairs_of_degrees_compile_few_programs() {
+    let mut stage = Stage::new(uvec2(320, 200));
+    let scene = load(&root().join("resources/scenes/stability/tess-many-degrees.toml"));
+    let mut prepared = stage.prepared(&scene);
+    let frame = stage.frame(&scene);
+    let _ = stage.picture(&mut prepared, &frame);
+    let count = stage.renderer().program_count();
+    // One of them is that of 4×4 points.
+    assert!((4..=9).contains(&count), "{count} programs");
+}
+
 #[test]
 fn trims_over_a_flat_surface_are_right_at_every_pixel() {
     for name in ["flat-trims", "long-thin-domain"] {
@@ -262,6 +323,8 @@ fn wrong_surfaces_are_refused_with_name_value_and_range() {
     refused("[1, 1]", knots, points, &["number of control points", "is 4", "3 along u times 2"]);
     let knots = "[[0, 1, 1, 2], [0, 0, 1, 1]]";
     refused("[1, 1]", knots, points, &["knots along u", "domain from knot 1 to knot 2", "1 to 1"]);
+    let knots = "[[-1e308, -1e308, 1e308, 1e308], [0, 0, 1, 1]]";
+    refused("[1, 1]", knots, points, &["x.toml:3:", "knots along u", "knot 0", "at most 1e15"]);
     let knots = "[[0, 0, 1, inf], [0, 0, 1, 1]]";
     refused("[1, 1]", knots, points, &["knots along u", "knot 3", "inf", "finite"]);
     let weighted = "[[0, 0, 0], [1, 0, 0, 0.0], [0, 1, 0], [1, 1, 0]]";

@@ -358,6 +358,13 @@ fn holes_alone_leave_the_border_and_several_borders_are_several_regions() {
     assert_cut(&surface("trim 0 4 1\nhole 0 4 3\ntrim 0 4 2"), |at| {
         (inside(0, at) && !inside(2, at)) || inside(1, at)
     });
+    // A hole before the first border is cut out of the whole domain; a border in it is an island.
+    assert_cut(&surface("hole 0 4 1\ntrim 0 4 3"), |at| !inside(0, at) || inside(2, at));
+    // Where a border is left out, holes are cut out of the whole domain.
+    let unsupported = "cstype cardinal\ndeg 3\ncurv2 1 2 3 4\nparm u 0 1\nend\ncstype bezier\n";
+    let trims = "trim 0 1 4\nhole 0 4 3\ntrim 0 4 2";
+    let text = format!("{text}{unsupported}{SHEET}{trims}\nend\n");
+    assert_cut(&read(&text).surfaces[0], |at| !inside(2, at));
 }
 
 #[test]

@@ -23,6 +23,10 @@ fn what_is_not_supported_is_left_out() {
     assert!(
         left.surfaces[0].trims.cut(dvec2(0.5, 0.4)) && !left.surfaces[0].trims.cut(dvec2(0.1, 0.1))
     );
+    // Two of a kind.
+    let twice = format!("curv 0 1 1 2\nparm u 0 1\nend\n{text}");
+    let twice = Mesh::read_obj(twice.as_bytes(), Path::new("x.obj"), CreaseAngle::default());
+    assert!(twice.unwrap_err().to_string().contains("2 curves in space"));
     let mesh = Mesh::read_obj(text.as_bytes(), Path::new("x.obj"), CreaseAngle::default());
     let said = mesh.unwrap_err().to_string();
     for what in [

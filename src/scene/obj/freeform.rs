@@ -205,8 +205,8 @@ impl FreeForm {
             }
             Content::Surface { points, range, mut loops, lacks_border } => {
                 if lacks_border {
-                    // Its holes would be taken for the border.
-                    loops.clear();
+                    // Without it, the first of the others would be the border of all.
+                    loops.retain(|one| one.is_hole);
                 }
                 let surface = self.surface(points, &parameters, range, loops, line)?;
                 self.surfaces.extend(surface);
