@@ -57,7 +57,7 @@ enum Command {
 
 #[derive(Debug, Args)]
 struct RenderArguments {
-    /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for a triangle mesh; "-" reads the text
+    /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for meshes and free-form surfaces; "-" reads the text
     /// of a scene of any of these kinds from standard input.
     #[arg(required = true, value_name = "SCENE")]
     scenes: Vec<PathBuf>,

@@ -46,7 +46,7 @@
 //! | space | right-handed; view space looks along −z; clip space is OpenGL's |
 //! | matrices | column vectors, glam's layout; `f64` on the CPU, `f32` in shaders |
 //! | control points | stored row by row, u along a row, v from row to row; (x, y, z, weight) |
-//! | domain | (u, v) in \[0, 1\]² for each patch; trims use these coordinates |
+//! | domain | (u, v) in \[0, 1\]² for each Bézier patch, in its own parameters for a NURBS surface; trims use them |
 //! | meshes | triangles counter-clockwise from outside; half-edge 3·t + k of triangle t starts at its corner k |
 //! | textures | the first row of pixels is at v = 1; 8-bit values are used unchanged, without sRGB conversion |
 //! | rendered images | the first row is the top row; alpha is 1 where a surface is visible |

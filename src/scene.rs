@@ -141,7 +141,7 @@ impl Scene {
     /// Parses the text of a `.bpt` file: a framed scene with z upright. `path` appears in error messages.
     ///
     /// # Errors
-    /// Text that is not a list of Bézier patches of degree 3 or 4; with the line.
+    /// Text that is not a list of Bézier patches; with the line.
     pub fn from_bpt(text: &str, path: &Path) -> Result<Self> {
         let surfaces = bpt::parse(text, path)?;
         Ok(Self { surfaces, up: DVec3::Z, ..Self::empty(path) })

@@ -11,7 +11,7 @@ pub(crate) const PICK_PX: f64 = 10.0;
 pub(crate) struct PointId {
     /// The surface's number.
     pub(crate) surface: usize,
-    /// The point's number, counted through all patches of the surface.
+    /// The point's number among the surface's control points.
     pub(crate) index: usize,
 }
 
