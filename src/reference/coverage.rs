@@ -17,6 +17,7 @@ use crate::error::Result;
 use crate::scene::{Method, Scene, Surface};
 use crate::tessellation::SurfaceTrims;
 use crate::thesis::newton::Newton;
+use crate::trim::{TrimGrid, Trims};
 use rows::TrimRows;
 use sub_patch::SubPatch;
 
@@ -187,7 +188,9 @@ impl<'a> Cut<'a> {
         } else {
             let [low, high] = surface.domain();
             let rows = TrimRows::new(trims, [low.y, high.y]);
-            Decision::Exact(rows, SurfaceTrims::new(trims, surface.patch_grid()))
+            // Fine enough to tell cracks from what is close to a trim.
+            let grid_of = |trims: &Trims| TrimGrid::with_side(trims, 32);
+            Decision::Exact(rows, SurfaceTrims::with_grids(trims, surface.patch_grid(), grid_of))
         };
         Ok(Self { surface, decision, patch: 0 })
     }

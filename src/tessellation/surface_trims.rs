@@ -33,9 +33,18 @@ pub(crate) struct SurfaceTrims {
 impl SurfaceTrims {
     /// For Bézier patches, which all have the same trims, or for the patches of a NURBS surface.
     pub(crate) fn new(trims: &Trims, patches: Option<&PatchGrid>) -> Self {
+        Self::with_grids(trims, patches, TrimGrid::new)
+    }
+
+    /// The same with grids that `grid_of` makes.
+    pub(crate) fn with_grids(
+        trims: &Trims,
+        patches: Option<&PatchGrid>,
+        grid_of: impl Fn(&Trims) -> TrimGrid,
+    ) -> Self {
         let mut all = Self { grids: Vec::new(), patches: Vec::new(), fixed: None };
         let Some(grid) = patches else {
-            let cut = all.add(TrimGrid::new(trims));
+            let cut = all.add(grid_of(trims));
             all.patches.push(cut);
             return all;
         };
@@ -43,7 +52,7 @@ impl SurfaceTrims {
             let cut = match patch {
                 PatchTrims::Kept => PatchCut::Kept,
                 PatchTrims::Gone => PatchCut::Gone,
-                PatchTrims::Cut(own) => all.add(TrimGrid::new(&own)),
+                PatchTrims::Cut(own) => all.add(grid_of(&own)),
             };
             all.patches.push(cut);
         }

@@ -345,8 +345,8 @@ mod tests {
             let low = dvec2(columns[0][0], rows[0][0]);
             let high = dvec2(columns[columns.len() - 1][1], rows[rows.len() - 1][1]);
             let place = |share: DVec2| low + share * (high - low);
-            let mut trims = Trims::default();
-            trims.keep = if keep { Keep::Inside } else { Keep::Outside };
+            let keep = if keep { Keep::Inside } else { Keep::Outside };
+            let mut trims = Trims { keep, ..Trims::default() };
             for (i, points) in points.iter().enumerate() {
                 let one = loop_of(&points.iter().map(|share| place(*share)).collect::<Vec<_>>());
                 if i == 1 {

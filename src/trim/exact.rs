@@ -35,6 +35,10 @@ pub struct TrimGrid {
     has_rules: bool,
 }
 
+/// The usual least number of cells along a side of the grid of loops; that of shapes is twice as large. There may be
+/// thousands of surfaces with few trims each.
+const LEAST_SIDE: u32 = 8;
+
 /// A grid that is stored in the words.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Lookup {
@@ -48,6 +52,11 @@ impl TrimGrid {
     /// Compiles the trims that are switched on.
     #[must_use]
     pub fn new(trims: &Trims) -> Self {
+        Self::with_side(trims, LEAST_SIDE)
+    }
+
+    /// The same with at least so many cells along a side, if it has any: a power of two.
+    pub(crate) fn with_side(trims: &Trims, least: u32) -> Self {
         let mut words = vec![0; HEADER_WORDS];
         let cut_loops = trims.loops_on && trims.has_loops();
         let fills: Vec<_> = if cut_loops {
@@ -56,13 +65,13 @@ impl TrimGrid {
             Vec::new()
         };
         let keeps_inside = cut_loops && trims.keep == Keep::Inside;
-        let (grid, all_cut) = match grid::build(&fills, keeps_inside, &mut words) {
+        let (grid, all_cut) = match grid::build(&fills, keeps_inside, least, &mut words) {
             Built::Uniform(all_cut) => (None, all_cut),
             Built::Cells(grid) => (Some(grid), keeps_inside),
         };
         // Shapes are read four words at a time.
         words.resize(words.len().next_multiple_of(4), 0);
-        let shapes = shapes::build(trims, &mut words)
+        let shapes = shapes::build(trims, 2 * least, &mut words)
             .map(|(uniform_grid, cells)| Lookup { uniform_grid, cells });
         let loops = grid
             .as_ref()

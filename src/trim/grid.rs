@@ -95,10 +95,11 @@ pub(super) enum Built {
 
 /// Builds the grid of closed chains of monotone curves and appends it to `words`, which holds only the header. Each
 /// fill has its own rule. If `outside` is true, points outside all fills are cut; otherwise points inside a fill are
-/// cut.
+/// cut. A side has at least `least` cells.
 pub(super) fn build(
     fills: &[(FillRule, Vec<Curve>)],
     outside: bool,
+    least: u32,
     words: &mut Vec<u32>,
 ) -> Built {
     debug_assert_eq!(words.len(), HEADER_WORDS);
@@ -108,7 +109,9 @@ pub(super) fn build(
             curves.iter().map(move |&curve| FilledCurve { curve, fill })
         })
         .collect();
-    let Some(uniform_grid) = uniform_grid_of(&curves) else { return Built::Uniform(outside) };
+    let Some(uniform_grid) = uniform_grid_of(&curves, least) else {
+        return Built::Uniform(outside);
+    };
     let members: Vec<Member> =
         cut_to_cells(&curves, &uniform_grid).iter().filter_map(Member::of).collect();
     words.reserve(members.len() * (PIECE_WORDS + 4) + uniform_grid.count());
@@ -165,7 +168,7 @@ mod tests {
     }
 
     fn cells_of(loops: &[TrimLoop], words: &mut Vec<u32>) -> Grid {
-        match build(&even_odd(loops), false, words) {
+        match build(&even_odd(loops), false, 32, words) {
             Built::Cells(grid) => grid,
             Built::Uniform(all_cut) => panic!("everything alike: {all_cut}"),
         }
@@ -232,7 +235,7 @@ mod tests {
 
     fn check(loops: &[TrimLoop], rows: &[f32]) {
         let mut words = vec![0; HEADER_WORDS];
-        let Built::Cells(grid) = build(&even_odd(loops), false, &mut words) else { return };
+        let Built::Cells(grid) = build(&even_odd(loops), false, 32, &mut words) else { return };
         let pieces: Vec<Piece> =
             words[grid.pieces.clone()].chunks_exact(PIECE_WORDS).map(Piece::from_words).collect();
         for (bounds, listed) in cells(&grid, &words) {
@@ -307,7 +310,7 @@ mod tests {
         let outside = level.map(|(u, v)| (u + 2.0, v * 3.0 * u));
         for points in [level, level.map(|(u, v)| (v, u)), outside] {
             let mut words = vec![0; HEADER_WORDS];
-            let built = build(&even_odd(&[chain(&points)]), false, &mut words);
+            let built = build(&even_odd(&[chain(&points)]), false, 32, &mut words);
             assert!(matches!(built, Built::Uniform(false)) && words.len() == HEADER_WORDS);
         }
     }

@@ -10,8 +10,8 @@ use super::{Circle, Ellipse, Rect, Trims};
 /// The number of words of a shape in the shader's buffer.
 pub(super) const SHAPE_WORDS: usize = 8;
 
-/// The allowed numbers of cells along a side of the grid.
-const SIDES: std::ops::RangeInclusive<u32> = 16..=256;
+/// The largest number of cells along a side of the grid.
+const LARGEST_SIDE: u32 = 256;
 /// The maximum number of cells that all shapes together may touch is this number times the number of shapes, but no
 /// less than `MAX_CELLS`.
 const MAX_CELLS_PER_SHAPE: f64 = 16.0;
@@ -113,7 +113,11 @@ pub(super) fn cuts(words: &[u32], reference: u32, uv: Vec2) -> bool {
 ///
 /// A cell is 0 (nothing in it is cut), 1 (everything in it is cut), or offset · 8 + 2 (a list of references at that
 /// offset). A reference is texel · 8 + kind, plus 4 for the last reference of a list.
-pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(UniformGrid, usize)> {
+pub(super) fn build(
+    trims: &Trims,
+    least: u32,
+    words: &mut Vec<u32>,
+) -> Option<(UniformGrid, usize)> {
     let shapes = shapes_of(trims);
     let first = words.len();
     for shape in &shapes {
@@ -122,7 +126,7 @@ pub(super) fn build(trims: &Trims, words: &mut Vec<u32>) -> Option<(UniformGrid,
     if shapes.is_empty() {
         return None;
     }
-    let uniform_grid = UniformGrid::of_domain(side_for(&shapes));
+    let uniform_grid = UniformGrid::of_domain(side_for(&shapes, least));
     let cells = words.len();
     words.resize(cells + uniform_grid.count(), 0);
     fill(&shapes, &uniform_grid, first, cells, words);
@@ -142,7 +146,7 @@ fn shapes_of(trims: &Trims) -> Vec<Shape> {
         .collect()
 }
 
-fn side_for(shapes: &[Shape]) -> u32 {
+fn side_for(shapes: &[Shape], least: u32) -> u32 {
     let count = shapes.len() as f64;
     let cells_at = |side: f64| -> f64 {
         let cells = |shape: &Shape| {
@@ -152,7 +156,7 @@ fn side_for(shapes: &[Shape]) -> u32 {
         };
         shapes.iter().map(cells).sum()
     };
-    let mut side = (2.0 * count.sqrt()).clamp((*SIDES.start()).into(), (*SIDES.end()).into());
+    let mut side = (2.0 * count.sqrt()).clamp(least.into(), LARGEST_SIDE.into());
     while side > 4.0 && cells_at(side) > MAX_CELLS.max(MAX_CELLS_PER_SHAPE * count) {
         side *= 0.5;
     }

@@ -6,8 +6,8 @@ use super::CROWDED;
 use crate::trim::pieces::{Curve, Piece, split};
 use crate::trim::uniform_grid::{UniformGrid, touched};
 
-/// The allowed numbers of cells along a side of the grid.
-const SIDES: std::ops::RangeInclusive<u32> = 8..=256;
+/// The largest number of cells along a side of a grid.
+const LARGEST_SIDE: u32 = 256;
 /// The maximum number of pieces, for each curve, that cutting curves to the size of cells may add. The total is
 /// clamped to `MORE_PIECES`.
 const MORE_PIECES_PER_CURVE: usize = 15;
@@ -21,8 +21,8 @@ pub(super) struct FilledCurve {
 }
 
 /// The uniform grid for these curves. It has about 4 cells for each curve, or fewer if that would cut long curves
-/// into too many pieces. `None` if the curves enclose no area.
-pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
+/// into too many pieces, but at least `least` along a side. `None` if the curves enclose no area.
+pub(super) fn uniform_grid_of(curves: &[FilledCurve], least: u32) -> Option<UniformGrid> {
     let mut min = Vec2::INFINITY;
     let mut max = Vec2::NEG_INFINITY;
     for piece in curves.iter().filter_map(|curve| Piece::new(&curve.curve)) {
@@ -34,7 +34,7 @@ pub(super) fn uniform_grid_of(curves: &[FilledCurve]) -> Option<UniformGrid> {
     }
     // A power of two, which the shaders are told in few bits.
     let wanted = (2 * curves.len().isqrt() as u32).next_power_of_two();
-    let mut side = wanted.clamp(*SIDES.start(), *SIDES.end());
+    let mut side = wanted.clamp(least, LARGEST_SIDE);
     let pieces_at = |side: u32| -> f64 {
         let cells = |curve: &Curve| (curve[3] - curve[0]).abs().max_element() * f64::from(side);
         curves.iter().map(|curve| cells(&curve.curve).max(1.0)).sum()
@@ -98,7 +98,7 @@ pub(super) fn cut_to_cells(curves: &[FilledCurve], uniform_grid: &UniformGrid) -
 
 /// The number of cells along a side of the finer grid in a cell that has `count` pieces.
 pub(super) fn finer_side(count: usize) -> u32 {
-    (2.0 * (count as f64).sqrt()).min((*SIDES.end()).into()) as u32
+    (2.0 * (count as f64).sqrt()).min(LARGEST_SIDE.into()) as u32
 }
 
 /// Halves a curve repeatedly until the bounding box of each piece is no larger than `limit` allows for it.
