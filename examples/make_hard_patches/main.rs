@@ -445,7 +445,12 @@ fn many_degrees() -> Scene {
             })
             .collect();
         if (column + row) % 3 == 0 {
-            let is_inner = |i: usize| i % (u + 1) % u != 0 && i / (u + 1) % v != 0;
+            let is_inner = |i: usize| {
+                ![i % (u + 1), i / (u + 1)]
+                    .iter()
+                    .zip([u, v])
+                    .any(|(place, last)| place.is_multiple_of(last))
+            };
             (0..points.len()).filter(|i| is_inner(*i)).for_each(|i| points[i].w = 1.5);
         }
         Patch::of_degree([u, v], points, checkered([column, row]))
