@@ -136,3 +136,49 @@ impl Renderer {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A patch of so many vertices.
+    struct Vertices(u32);
+
+    impl Tessellated for Vertices {
+        fn vertices(&self) -> u32 {
+            self.0
+        }
+
+        fn triangles(&self) -> u64 {
+            u64::from(self.0)
+        }
+    }
+
+    #[test]
+    fn instances_hold_every_patch_once_and_are_neither_small_nor_large() {
+        const MAX: u32 = 800;
+        let sizes = |i: u32| match i {
+            0..2_000 => 25,
+            2_000..2_100 => 4_225,
+            2_100..5_000 => 4 + i * 7919 % 300,
+            _ => 289,
+        };
+        let patches: Vec<Vertices> = (0..9_000).map(|i| Vertices(sizes(i))).collect();
+        let mut draws = Vec::new();
+        divide_into_instances(&patches, 10, 3, MAX, &mut draws);
+        let mut next = 10;
+        for draw in &draws {
+            assert_eq!((draw.first, draw.batch), (next, 3));
+            let own = &patches[draw.first - 10..][..draw.count * draw.instances];
+            next += own.len();
+            assert_eq!(draw.triangles, own.iter().map(Vertices::triangles).sum::<u64>());
+            for instance in own.chunks_exact(draw.count) {
+                let vertices: u32 = instance.iter().map(Vertices::vertices).sum();
+                assert!(vertices <= 2 * MAX || draw.count == 1, "{vertices}");
+                assert!(vertices >= MAX / 2 || draw.instances == 1, "{vertices}");
+            }
+        }
+        assert_eq!(next, 10 + patches.len());
+        assert!(draws.len() < 250, "{} draws", draws.len());
+    }
+}

@@ -222,7 +222,7 @@ fn draws_of_many_patches_are_few_and_whole() {
         let mut prepared = stage.prepared(&scene);
         let frame = stage.frame(&scene);
         let found = stage.measured(&scene, &mut prepared, &frame);
-        // A draw with more vertices than 16 bits can number would leave holes and draw wrong patches.
+        // An instance with more vertices than 16 bits can number would leave holes and draw wrong patches.
         assert!(found.covered > 100_000, "{found:?}");
         let wrong = found.crack_pixels + found.hidden_pixels + found.bad_values;
         assert_eq!(wrong, 0, "{found:?}");
@@ -230,9 +230,7 @@ fn draws_of_many_patches_are_few_and_whole() {
         let stats = prepared.stats();
         assert_eq!((stats.patches, stats.culled), (side * side, 0), "{stats:?}");
         // A patch of n × m cells has slightly more than n · m vertices, half as many as triangles.
-        let (draws, vertices) = (stats.draws as u64, stats.triangles / 2);
-        assert!(vertices > 300_000 && draws * 65_535 > vertices, "{stats:?}");
-        assert!(draws <= 1 + vertices / 400, "{stats:?}");
+        assert!(stats.triangles / 2 > 300_000 && stats.draws <= 60, "{stats:?}");
     }
 }
 
