@@ -5,20 +5,17 @@
 //! control points bound how far the triangles between its points deviate from it. Each sub-patch gets the
 //! number of triangles that keeps this below [`TOLERANCE_PX`].
 
+mod cut;
 mod rows;
 mod sub_patch;
 
 use glam::{DMat4, DVec2, DVec4, UVec2};
 
-use super::TrimDecision;
 use super::raster::owns;
 use crate::camera::ViewProjection;
 use crate::error::Result;
-use crate::scene::{Method, Scene, Surface};
-use crate::tessellation::SurfaceTrims;
-use crate::thesis::newton::Newton;
-use crate::trim::{TrimGrid, Trims};
-use rows::TrimRows;
+use crate::scene::{Method, Scene};
+use cut::{Cut, Decision};
 use sub_patch::SubPatch;
 
 /// The largest distance of triangles from the surface, in pixels.
@@ -162,54 +159,6 @@ pub fn has_gap_near(
     let seen = ViewProjection { projection: window * projection.projection, ..*projection };
     let shown = coverage(scene, &seen, UVec2::splat(SIDE), method)?;
     Ok(shown.pixels.iter().any(|cover| !cover.covered()))
-}
-
-/// The trims of a patch in a form that is fast enough to evaluate at every pixel.
-struct Cut<'a> {
-    surface: &'a Surface,
-    decision: Decision<'a>,
-    /// The number of the patch in its surface.
-    patch: usize,
-}
-
-enum Decision<'a> {
-    Nothing,
-    Thesis(TrimDecision<'a>),
-    Exact(TrimRows<'a>, SurfaceTrims),
-}
-
-impl<'a> Cut<'a> {
-    fn new(surface: &'a Surface, newton: Newton, method: Method) -> Result<Self> {
-        let trims = &surface.trims;
-        let decision = if trims.is_empty() {
-            Decision::Nothing
-        } else if method == Method::Thesis {
-            Decision::Thesis(TrimDecision::new(trims, newton, method)?)
-        } else {
-            let [low, high] = surface.domain();
-            let rows = TrimRows::new(trims, [low.y, high.y]);
-            // Fine enough to tell cracks from what is close to a trim.
-            let grid_of = |trims: &Trims| TrimGrid::with_side(trims, 32);
-            Decision::Exact(rows, SurfaceTrims::with_grids(trims, surface.patch_grid(), grid_of))
-        };
-        Ok(Self { surface, decision, patch: 0 })
-    }
-
-    /// Whether there may be something to cut.
-    const fn is_possible(&self) -> bool {
-        !matches!(self.decision, Decision::Nothing)
-    }
-
-    /// Whether a place of the patch is cut; u and v run from 0 to 1 along the patch.
-    fn cuts(&self, uv: DVec2) -> bool {
-        let [low, high] = self.surface.patch_domain(self.patch);
-        let place = low + uv * (high - low);
-        match &self.decision {
-            Decision::Nothing => false,
-            Decision::Thesis(decision) => decision.cut(place),
-            Decision::Exact(rows, _) => self.surface.trims.shapes_cut(place) || rows.cut(place),
-        }
-    }
 }
 
 /// A corner of a triangle.
