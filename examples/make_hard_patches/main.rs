@@ -38,8 +38,7 @@ fn main() -> std::io::Result<()> {
     for scene in nurbs::scenes() {
         std::fs::write(format!("{folder}/nurbs-{}.toml", scene.name), scene.text())?;
     }
-    std::fs::write(format!("{folder}/nurbs-many-points.toml"), nurbs::MANY_POINTS)?;
-    std::fs::write(format!("{folder}/nurbs-many-points.obj"), nurbs::many_points())
+    Ok(())
 }
 
 struct Scene {

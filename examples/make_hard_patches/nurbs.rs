@@ -1,7 +1,6 @@
 //! The hard NURBS surfaces.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
-use std::fmt::Write as _;
 
 use glam::{DVec4, dvec3};
 
@@ -255,40 +254,4 @@ loop = [[[106500, 100000.00005], [107500, 100000.00005, 0.5], [107500, 100000.00
         camera: ONE_TO_ONE,
         patches: vec![surface],
     }
-}
-
-const SIDE: usize = 300;
-
-/// A scene of the surface of [`many_points`].
-pub(super) const MANY_POINTS: &str = "# A bicubic surface of 300 by 300 control points.
-# Made by examples/make_hard_patches.
-
-[camera]
-eye = [150.0, 120.0, 190.0]
-target = [150.0, 0.0, -120.0]
-
-[[surface]]
-file = \"nurbs-many-points.obj\"
-color = [0.9, 0.6, 0.2]
-";
-
-/// The text of `nurbs-many-points.obj`.
-pub(super) fn many_points() -> String {
-    let mut text = "# Made by examples/make_hard_patches.\n".to_owned();
-    for i in 0..SIDE * SIDE {
-        let (x, z) = ((i % SIDE) as f64, (i / SIDE) as f64);
-        let height = 6.0 * (0.31 * x).sin() * (0.23 * z).cos() + 20.0 * (0.021 * (x + z)).sin();
-        let _ = writeln!(text, "v {x} {height:.2} {}", 0.0 - z);
-    }
-    let last = SIDE - 3;
-    let _ = write!(text, "cstype bspline\ndeg 3 3\nsurf 0 {last} 0 {last}");
-    for i in 1..=SIDE * SIDE {
-        let gap = if i % 20 == 1 { " \\\n" } else { " " };
-        let _ = write!(text, "{gap}{i}");
-    }
-    let inner: String = (0..=last).map(|knot| format!(" {knot}")).collect();
-    for axis in ["u", "v"] {
-        let _ = write!(text, "\nparm {axis} 0 0 0{inner} {last} {last} {last}");
-    }
-    text + "\nend\n"
 }

@@ -7,7 +7,8 @@
 
 use glam::DVec2;
 
-use super::{Circle, Ellipse, FillRule, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
+use super::shapes::{Shape, shapes_of};
+use super::{Ellipse, FillRule, Keep, Rect, Segment, TrimLoop, TrimPath, Trims};
 use crate::bezier::{bounding_box, split};
 
 /// What trims do to a patch.
@@ -38,7 +39,7 @@ pub(crate) fn trims_by_patch(
     let content = Content {
         fills: fills.collect(),
         outside: cuts_loops && trims.keep == Keep::Inside,
-        shapes: shapes_of(trims),
+        shapes: shapes_of(trims).collect(),
     };
     grid.divide([0, 0], [columns.len(), rows.len()], content);
     by_patch
@@ -58,47 +59,6 @@ struct Content {
     /// Whether points outside of all fills are cut.
     outside: bool,
     shapes: Vec<Shape>,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Shape {
-    Ellipse(Ellipse),
-    Rect(Rect),
-}
-
-impl Shape {
-    fn cuts(&self, uv: DVec2) -> bool {
-        match self {
-            Self::Ellipse(ellipse) => ellipse.cuts(uv),
-            Self::Rect(rect) => rect.cuts(uv),
-        }
-    }
-
-    /// Whether it cuts anything of a block.
-    fn touches(&self, [low, high]: [DVec2; 2]) -> bool {
-        match self {
-            Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(low, high)),
-            Self::Rect(Rect { u, v }) => {
-                u.x <= high.x && u.y >= low.x && v.x <= high.y && v.y >= low.y
-            }
-        }
-    }
-
-    /// Whether it cuts all of a block, which its corners decide.
-    fn covers(&self, [low, high]: [DVec2; 2]) -> bool {
-        let corners = [low, high, DVec2::new(low.x, high.y), DVec2::new(high.x, low.y)];
-        corners.into_iter().all(|corner| self.cuts(corner))
-    }
-}
-
-fn shapes_of(trims: &Trims) -> Vec<Shape> {
-    let circles = trims.circles.iter().filter(|_| trims.circles_on);
-    let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
-    let rects = trims.rects.iter().filter(|_| trims.rects_on);
-    let round =
-        |&Circle { center, radius }: &Circle| Ellipse { center, radii: DVec2::splat(radius) };
-    let rounds = circles.map(round).chain(ellipses.copied()).map(Shape::Ellipse);
-    rounds.chain(rects.copied().map(Shape::Rect)).collect()
 }
 
 struct Grid<'a> {
@@ -296,6 +256,7 @@ impl Segment {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trim::Circle;
     use glam::dvec2;
     use proptest::prelude::*;
 

@@ -21,8 +21,9 @@ const MARGIN: f64 = 1e-6;
 /// Circles and ellipses with a smaller radius contain no sample that could be told from their border.
 const THINNEST: f64 = 1e-9;
 
-#[derive(Clone, Copy)]
-enum Shape {
+/// A circle or an ellipse, or a rectangle.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape {
     Ellipse(Ellipse),
     Rect(Rect),
 }
@@ -44,7 +45,7 @@ impl Shape {
     }
 
     /// Whether it cuts anything in a box.
-    fn touches(&self, [min, max]: [DVec2; 2]) -> bool {
+    pub(super) fn touches(&self, [min, max]: [DVec2; 2]) -> bool {
         match self {
             // The point of the box that is nearest to the centre, in the metric of the ellipse.
             Self::Ellipse(ellipse) => ellipse.cuts(ellipse.center.clamp(min, max)),
@@ -56,7 +57,7 @@ impl Shape {
     }
 
     /// Whether it cuts everything in a box. The corners decide this, because shapes are convex.
-    fn covers(&self, [min, max]: [DVec2; 2]) -> bool {
+    pub(super) fn covers(&self, [min, max]: [DVec2; 2]) -> bool {
         [min, max, DVec2::new(min.x, max.y), DVec2::new(max.x, min.y)]
             .into_iter()
             .all(|corner| self.cuts(corner))
@@ -118,7 +119,11 @@ pub(super) fn build(
     least: u32,
     words: &mut Vec<u32>,
 ) -> Option<(UniformGrid, usize)> {
-    let shapes = shapes_of(trims);
+    let is_thin = |shape: &Shape| match shape {
+        Shape::Ellipse(ellipse) => ellipse.radii.min_element() <= THINNEST,
+        Shape::Rect(_) => false,
+    };
+    let shapes: Vec<Shape> = shapes_of(trims).filter(|shape| !is_thin(shape)).collect();
     let first = words.len();
     for shape in &shapes {
         words.extend(shape.words());
@@ -133,17 +138,16 @@ pub(super) fn build(
     Some((uniform_grid, cells))
 }
 
-fn shapes_of(trims: &Trims) -> Vec<Shape> {
+/// The shapes that are switched on.
+pub(super) fn shapes_of(trims: &Trims) -> impl Iterator<Item = Shape> + '_ {
     let circles = trims.circles.iter().filter(|_| trims.circles_on);
     let intervals = trims.rects.iter().filter(|_| trims.rects_on);
     let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
     circles
         .map(|Circle { center, radius }| Ellipse { center: *center, radii: DVec2::splat(*radius) })
         .chain(ellipses.copied())
-        .filter(|ellipse| ellipse.radii.min_element() > THINNEST)
         .map(Shape::Ellipse)
         .chain(intervals.copied().map(Shape::Rect))
-        .collect()
 }
 
 fn side_for(shapes: &[Shape], least: u32) -> u32 {

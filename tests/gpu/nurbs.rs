@@ -2,7 +2,8 @@
 
 use freeform_surface::inspect::reference::coverage;
 use freeform_surface::{
-    Degree, Frame, Image, Method, NurbsSurface, Paint, Rect, Scene, Shading, Surface, Trims,
+    Degree, Frame, Image, LoadOptions, Method, NurbsSurface, Paint, Rect, Scene, Shading, Surface,
+    Trims,
 };
 use glam::{DVec2, DVec3, DVec4, UVec2, uvec2};
 
@@ -43,10 +44,29 @@ fn hard_surfaces_are_drawn_within_the_tolerance_and_without_cracks() {
     }
 }
 
+/// A bicubic B-spline surface of `side` × `side` control points as the text of an OBJ file: larger than a stored scene
+/// should be.
+fn many_points(side: usize) -> String {
+    let mut text = String::new();
+    for i in 0..side * side {
+        let (x, z) = ((i % side) as f64, (i / side) as f64);
+        let height = 6.0 * (0.31 * x).sin() * (0.23 * z).cos() + 20.0 * (0.021 * (x + z)).sin();
+        text += &format!("v {x} {height:.2} {}\n", 0.0 - z);
+    }
+    let last = side - 3;
+    let indices: String = (1..=side * side).map(|index| format!(" {index}")).collect();
+    let inner: String = (0..=last).map(|knot| format!(" {knot}")).collect();
+    let knots = format!("0 0 0{inner} {last} {last} {last}");
+    text + &format!(
+        "cstype bspline\ndeg 3 3\nsurf 0 {last} 0 {last}{indices}\nparm u {knots}\nparm v {knots}\nend\n"
+    )
+}
+
 #[test]
 fn ninety_thousand_control_points_are_drawn_within_the_tolerance() {
     let mut stage = Stage::new(uvec2(480, 300));
-    let scene = load(&path("many-points"));
+    let scene =
+        Scene::from_text(&many_points(300), "x.obj".as_ref(), &LoadOptions::default()).unwrap();
     assert_eq!(scene.surfaces[0].control_points().len(), 300 * 300);
     let mut prepared = stage.prepared(&scene);
     let frame = Frame::new(stage.projection(&scene), stage.size, within(0.5));
