@@ -96,6 +96,7 @@ pub mod inspect;
 #[cfg(feature = "inspect")]
 mod measure;
 mod mesh;
+pub mod model;
 mod prepared;
 mod programs;
 #[cfg(feature = "inspect")]
