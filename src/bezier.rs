@@ -23,7 +23,7 @@ use glam::{DVec3, DVec4};
 
 pub(crate) use bounds::bounding_box;
 pub(crate) use bspline::{bezier_curves, check_knots, knots_of_bezier_curves, points_between};
-pub(crate) use elevate::elevate_to_square;
+pub(crate) use elevate::{elevate, elevate_curve};
 pub use nurbs::NurbsSurface;
 pub(crate) use nurbs::PatchGrid;
 pub(crate) use product::{composition, product, product_share};

@@ -13,10 +13,11 @@ use crate::error::Result;
 use crate::gpu::Texture;
 use crate::programs::Output;
 use crate::renderer::{
-    ControlPoints, DrawList, Frame, LocalFrame, PreparedMesh, PreparedSurface, Renderer,
+    ControlPoints, DrawList, Frame, LocalFrame, PreparedMesh, PreparedSurface, RaisedPatches,
+    Renderer,
 };
 use crate::scene::{Method, Paint, Scene, Surface};
-use crate::tessellation::{EdgeSource, EdgeTable, FrameStats};
+use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
 
 /// A scene uploaded to the driver, ready to be drawn from any viewpoint.
 #[derive(Debug)]
@@ -50,16 +51,29 @@ impl PreparedScene {
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
         let mut draw_list = DrawList::default();
         if !scene.surfaces.is_empty() {
-            let (table, centerings) = neighbours(scene);
-            let points: Vec<_> =
-                scene.surfaces.iter().map(Surface::patch_points).zip(centerings).collect();
-            let uploaded = ControlPoints::upload(gl, &points)?;
-            for (surface, points) in scene.surfaces.iter().zip(uploaded) {
+            let Neighbours { table, centerings, raised } = neighbours(scene);
+            let mut points = Vec::with_capacity(scene.surfaces.len());
+            for ((surface, raised), centering) in scene.surfaces.iter().zip(&raised).zip(centerings)
+            {
+                points.push((surface.patch_points(), centering));
+                points.extend(raised.iter().map(|raised| (&raised.points[..], centering)));
+            }
+            let mut uploaded = ControlPoints::upload(gl, &points)?.into_iter();
+            let mut uploaded = || uploaded.next().expect("all points were uploaded");
+            for (surface, raised) in scene.surfaces.iter().zip(raised) {
+                let points = uploaded();
+                let raised =
+                    raised.map(|patches| RaisedPatches { patches, control_points: uploaded() });
                 let texture = match &surface.paint {
                     Paint::Color(_) => None,
                     picture @ Paint::Texture(_) => Some(texture(picture, false)?),
                 };
-                surfaces.push(PreparedSurface::with_points(surface.clone(), texture, points)?);
+                surfaces.push(PreparedSurface::with_points(
+                    surface.clone(),
+                    texture,
+                    points,
+                    raised,
+                )?);
             }
             draw_list = DrawList::of_neighbours(table, &surfaces);
         }
@@ -133,12 +147,22 @@ impl PreparedScene {
     }
 }
 
+/// What the surfaces of a scene have to do with each other.
+struct Neighbours {
+    /// Of the patches that the exact method draws.
+    table: EdgeTable,
+    /// How each surface's control points are centred.
+    centerings: Vec<LocalFrame>,
+    /// For each surface, its patches at a higher degree, if a neighbour has one.
+    raised: Vec<Option<Raised>>,
+}
+
 /// Finds which patches are neighbours, and how each surface's control points are centred. Each surface is centred
 /// on its own, except that surfaces with shared edges use one centring, so that the shared control points stay
 /// bit-identical.
-fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
+fn neighbours(scene: &Scene) -> Neighbours {
     let mut transforms: HashMap<[u64; 16], u32> = HashMap::new();
-    let sources: Vec<EdgeSource<'_>> = scene
+    let mut sources: Vec<EdgeSource<'_>> = scene
         .surfaces
         .iter()
         .map(|surface| {
@@ -153,6 +177,12 @@ fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
             }
         })
         .collect();
+    let raised = raised(&sources);
+    for (source, raised) in sources.iter_mut().zip(&raised) {
+        if let Some(raised) = raised {
+            (source.degree, source.points) = (raised.degree, &raised.points);
+        }
+    }
     let table = EdgeTable::new(&sources);
     let groups = table.connected(&sources);
     let mut members: HashMap<usize, Vec<&Surface>> = HashMap::new();
@@ -166,7 +196,7 @@ fn neighbours(scene: &Scene) -> (EdgeTable, Vec<LocalFrame>) {
         })
         .collect();
     let centerings = groups.iter().map(|group| centered[group]).collect();
-    (table, centerings)
+    Neighbours { table, centerings, raised }
 }
 
 /// Whether two paints can share a texture: they have the same colour, or the same image in memory.

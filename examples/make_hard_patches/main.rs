@@ -30,6 +30,7 @@ fn main() -> std::io::Result<()> {
         cylinder_and_cone(),
         torus(),
         mixed_degrees(),
+        raised_edges(),
         weights_along_an_edge(),
         many_degrees(),
     ] {
@@ -411,6 +412,52 @@ fn mixed_degrees() -> Scene {
             Patch::of_degree([7, 3], neighbour(7, false), BLUE),
             Patch::of_degree([3, 3], middle.clone(), ORANGE),
             Patch::of_degree([1, 3], neighbour(1, true), BLUE),
+        ],
+    }
+}
+
+/// A curve with one more control point.
+fn raised(points: &[DVec4]) -> Vec<DVec4> {
+    let n = points.len() as f64;
+    let homogeneous = |point: DVec4| (point.truncate() * point.w).extend(point.w);
+    let inner = (1..points.len()).map(|i| {
+        let share = i as f64 / n;
+        let sum = homogeneous(points[i - 1]) * share + homogeneous(points[i]) * (1.0 - share);
+        (sum.truncate() / sum.w).extend(sum.w)
+    });
+    let ends = [points[0], points[points.len() - 1]];
+    std::iter::once(ends[0]).chain(inner).chain(std::iter::once(ends[1])).collect()
+}
+
+fn raised_edges() -> Scene {
+    let mut middle = net([2, 2], |x, z| [0.3, -0.1, 0.4][x] * [0.5, 1.0, -0.6][z]);
+    middle[5].w = 2.5;
+    let moved = |points: Vec<DVec4>, by: DVec3| points.into_iter().map(move |p| p + by.extend(0.0));
+    // The middle's last column, raised to degree 3, in a patch whose u runs the other way.
+    let edge = raised(&[middle[2], middle[5], middle[8]]);
+    let right = net([3, 3], |x, z| [0.1, 0.3, -0.2, 0.0][x] + [0.0, 0.2, 0.1, 0.3][z]);
+    let mut right: Vec<DVec4> =
+        (0..16).map(|i| right[i / 4 * 4 + 3 - i % 4] + DVec3::X.extend(0.0)).collect();
+    (0..4).for_each(|row| right[4 * row + 3] = edge[row]);
+    // Its first row, raised to degree 4.
+    let edge = raised(&raised(&middle[..3]));
+    let front = net([4, 1], |x, _| [0.3, 0.1, 0.0, 0.2, 0.4][x]);
+    let mut front: Vec<DVec4> = moved(front, DVec3::Z).collect();
+    front[5..].copy_from_slice(&edge);
+    // Equal edges: this patch has to follow the middle.
+    let mut left: Vec<DVec4> =
+        moved(net([1, 2], |x, z| 0.2 * (x + z) as f64), DVec3::NEG_X).collect();
+    (0..3).for_each(|row| left[2 * row + 1] = middle[3 * row]);
+    Scene {
+        name: "raised-edges",
+        about: "Edges that are the same curve, but of another degree on each side: the middle patch has degree 2, its\n\
+                # neighbours 3 and 4. No crack may show.",
+        camera: "eye = [1.9, 2.3, 2.6]\ntarget = [0.5, 0.0, 0.0]",
+        patches: vec![
+            Patch::of_degree([2, 2], middle, ORANGE),
+            Patch::of_degree([3, 3], right, BLUE),
+            Patch::of_degree([4, 1], front, BLUE),
+            Patch::of_degree([1, 2], left, BLUE),
         ],
     }
 }

@@ -4,45 +4,72 @@ use glam::DVec4;
 
 use super::{Degree, homogeneous};
 
-/// Control points of a patch raised to degree `side − 1` along u and v: `side` × `side` points (x, y, z, weight).
-/// `side` is at least the number of columns and of rows.
-pub(crate) fn elevate_to_square(degree: Degree, points: &[DVec4], side: usize) -> Vec<DVec4> {
-    let mut line = Vec::with_capacity(side);
-    let mut rows = Vec::with_capacity(side * degree.rows());
+/// Control points (x, y, z, weight) of a patch raised to a degree that is at least its own along u and along v. The ends
+/// of rows and of columns stay bit for bit what they are, and the direction of a row or column makes no difference to
+/// its other points.
+pub(crate) fn elevate(degree: Degree, points: &[DVec4], to: Degree) -> Vec<DVec4> {
+    let mut rows = Vec::with_capacity(to.columns() * degree.rows());
     for row in points.chunks_exact(degree.columns()) {
-        line.clear();
-        line.extend(row.iter().map(|point| homogeneous(*point)));
-        elevate(&mut line, side);
-        rows.extend_from_slice(&line);
+        rows.extend(elevate_curve(row, to.columns()));
     }
-    let mut square = vec![DVec4::ZERO; side * side];
-    for column in 0..side {
+    let mut raised = vec![DVec4::ZERO; to.points()];
+    let mut line = Vec::with_capacity(degree.rows());
+    for column in 0..to.columns() {
         line.clear();
-        line.extend(rows.iter().skip(column).step_by(side));
-        elevate(&mut line, side);
-        for (row, point) in line.iter().enumerate() {
-            square[row * side + column] = (point.truncate() / point.w).extend(point.w);
+        line.extend(rows.iter().skip(column).step_by(to.columns()));
+        for (row, point) in elevate_curve(&line, to.rows()).into_iter().enumerate() {
+            raised[row * to.columns() + column] = point;
         }
     }
-    square
+    raised
 }
 
-/// Raises the degree of a curve until it has `count` control points.
-fn elevate(points: &mut Vec<DVec4>, count: usize) {
-    while let (Some(last), true) = (points.last().copied(), points.len() < count) {
-        let degree = points.len() as f64;
-        for i in (1..points.len()).rev() {
-            let share = i as f64 / degree;
-            points[i] = points[i - 1] * share + points[i] * (1.0 - share);
-        }
-        points.push(last);
+/// The control points of a curve raised to `count` control points.
+pub(crate) fn elevate_curve(points: &[DVec4], count: usize) -> Vec<DVec4> {
+    let [Some(first), Some(last)] = [points.first().copied(), points.last().copied()] else {
+        return Vec::new();
+    };
+    if points.len() == count {
+        return points.to_vec();
     }
+    let mut raised: Vec<DVec4> = points.iter().copied().map(homogeneous).collect();
+    while raised.len() < count {
+        let degree = raised.len();
+        let end = raised[degree - 1];
+        for i in (1..degree).rev() {
+            let shares = [i as f64, (degree - i) as f64];
+            raised[i] = (raised[i - 1] * shares[0] + raised[i] * shares[1]) / degree as f64;
+        }
+        raised.push(end);
+    }
+    for point in &mut raised {
+        *point = (point.truncate() / point.w).extend(point.w);
+    }
+    raised[0] = first;
+    raised[count - 1] = last;
+    raised
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bezier::Patch;
+
+    #[test]
+    fn the_direction_of_a_curve_makes_no_difference() {
+        let points: Vec<DVec4> = (0..4)
+            .map(f64::from)
+            .map(|x| DVec4::new(x.sin(), (1.7 * x).cos(), 1e-3 * x, 1.5 + (2.9 * x).sin()))
+            .collect();
+        let reversed: Vec<DVec4> = points.iter().rev().copied().collect();
+        for count in [4, 5, 7, 16] {
+            let raised = elevate_curve(&points, count);
+            let mut other = elevate_curve(&reversed, count);
+            other.reverse();
+            assert_eq!(raised, other);
+            assert_eq!([raised[0], raised[count - 1]], [points[0], points[3]]);
+        }
+    }
 
     #[test]
     fn an_elevated_patch_is_the_same_patch() {
@@ -54,8 +81,8 @@ mod tests {
                     DVec4::new(x.sin(), (1.7 * x).cos(), (0.3 * x).sin(), 1.5 + (2.9 * x).sin())
                 })
                 .collect();
-            let raised = elevate_to_square(degree, &points, side);
             let square = Degree::new(side - 1, side - 1).unwrap();
+            let raised = elevate(degree, &points, square);
             let [patch, raised] = [Patch::new(degree, &points), Patch::new(square, &raised)];
             for i in 0..=10 {
                 let (u, v) = (f64::from(i) / 10.0, f64::from(i * 3 % 11) / 10.0);

@@ -38,6 +38,17 @@ impl PatchGrid {
             (self.columns[patch % self.columns.len()], self.rows[patch / self.columns.len()]);
         [dvec2(u[0], v[0]), dvec2(u[1], v[1])]
     }
+
+    /// Whether the surface goes on beyond a side of a patch: 0 is u = 0, 1 is v = 0, 2 is u = 1, 3 is v = 1.
+    pub(crate) fn continues(&self, patch: usize, side: usize) -> bool {
+        let columns = self.columns.len();
+        let (continues, place) = match side {
+            0 | 2 => (&self.column_continues, patch % columns),
+            _ => (&self.row_continues, patch / columns),
+        };
+        let before = place.checked_sub(1).unwrap_or(continues.len() - 1);
+        continues[if side < 2 { before } else { place }]
+    }
 }
 
 impl NurbsSurface {

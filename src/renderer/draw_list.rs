@@ -197,7 +197,7 @@ impl DrawList {
         let mut known: HashMap<BatchKey, u32> = HashMap::new();
         let common = common_degrees(surfaces);
         for (number, surface) in surfaces.iter().enumerate() {
-            let degree = Some(surface.degree()).filter(|degree| common.contains(degree));
+            let degree = Some(surface.drawn_degree()).filter(|degree| common.contains(degree));
             let painting = match surface.texture() {
                 None => Painting::Color,
                 Some(_) if surface.surface().nurbs().is_some() => Painting::PictureOverDomain,
@@ -208,7 +208,7 @@ impl DrawList {
                 // The program of any degree is the most general one.
                 let patches = if degree.is_some() { patches } else { PatchKind::Degenerate };
                 let key = BatchKey {
-                    points: Rc::as_ptr(surface.uploaded_points().texels()),
+                    points: Rc::as_ptr(surface.uploaded_drawn_points().texels()),
                     texture: surface.texture().map(Rc::as_ptr),
                     degree,
                     shading: surface.shading(),
@@ -258,13 +258,13 @@ impl DrawList {
             let back = (surface.surface().cull == Cull::Back).then(|| {
                 (eye_in_model(&key.camera, &model), DMat3::from_mat4(model).determinant().signum())
             });
-            let degree = surface.degree();
+            let degree = surface.drawn_degree();
             let rounding = Rounding::new(
                 &(to_clip * surface.points_to_world()),
-                surface.uploaded_points().extent(),
+                surface.uploaded_drawn_points().extent(),
             )
             .of_degree(degree);
-            let first_point = surface.uploaded_points().first() as u32;
+            let first_point = surface.uploaded_drawn_points().first() as u32;
             let (net_side, nets, cones, trims) = surface.for_plan();
             // They were made when the trims were uploaded.
             let Some(trims) = &mut trims.exact else { continue };
@@ -363,7 +363,7 @@ fn common_degrees(surfaces: &[PreparedSurface]) -> Vec<Degree> {
     const OF_MANY: usize = 2;
     let mut counts: BTreeMap<Degree, usize> = BTreeMap::new();
     for surface in surfaces {
-        *counts.entry(surface.degree()).or_default() += surface.cones().len();
+        *counts.entry(surface.drawn_degree()).or_default() += surface.cones().len();
     }
     let is_usual = |degree: &Degree| [Degree::CUBIC, Degree::QUARTIC].contains(degree);
     let (mut common, mut others): (Vec<_>, Vec<_>) =
@@ -411,8 +411,8 @@ pub(crate) fn edge_sources(surfaces: &[PreparedSurface]) -> Vec<EdgeSource<'_>> 
             let bits = surface.points_to_world().to_cols_array().map(f64::to_bits);
             let next = groups.len() as u32;
             EdgeSource {
-                degree: surface.degree(),
-                points: surface.surface().patch_points(),
+                degree: surface.drawn_degree(),
+                points: surface.drawn_points(),
                 group: *groups.entry(bits).or_insert(next),
                 grid: surface.surface().patch_grid(),
             }

@@ -83,7 +83,7 @@ impl Renderer {
             if let Some(texture) = surface.texture().filter(|_| is_painted(batch)) {
                 texture.bind(0);
             }
-            surface.uploaded_points().texels().bind(CONTROL_POINTS_UNIT);
+            surface.uploaded_drawn_points().texels().bind(CONTROL_POINTS_UNIT);
             if !batch.shared {
                 let columns = draw_list.columns(batch.surface);
                 set_columns(program, columns, 1.0);

@@ -51,6 +51,8 @@ pub(crate) struct ControlPoints {
     /// The index of the surface's first point in the buffer.
     first: usize,
     centering: LocalFrame,
+    /// The scale of the surface's own box when it was last centred. Neighbours that are centred together have a larger one.
+    own_scale: f64,
     /// Upper bound of the coordinates' magnitudes after centring and scaling: 1, or more if points
     /// were moved out of the box.
     extent: f64,
@@ -73,6 +75,7 @@ impl ControlPoints {
                 buffer: Rc::clone(&buffer),
                 first,
                 centering: *centering,
+                own_scale: LocalFrame::of(points.iter()).scale,
                 extent: 1.0,
                 moved: 0,
             };
@@ -110,12 +113,22 @@ impl ControlPoints {
             return false;
         }
         self.moved = 0;
-        4.0 * LocalFrame::of(points.iter()).scale <= self.centering.scale
+        4.0 * LocalFrame::of(points.iter()).scale <= self.own_scale
     }
 
     /// Centres the surface's points again and overwrites them all.
     pub(crate) fn recenter(&mut self, points: &[DVec4]) {
-        self.centering = LocalFrame::of(points.iter());
+        self.rewrite(LocalFrame::of(points.iter()), points);
+    }
+
+    /// Centres the points of the same surface at another degree again, as the surface's own.
+    pub(crate) fn recenter_like(&mut self, own: &Self, points: &[DVec4]) {
+        self.rewrite(own.centering, points);
+    }
+
+    fn rewrite(&mut self, centering: LocalFrame, points: &[DVec4]) {
+        self.centering = centering;
+        self.own_scale = LocalFrame::of(points.iter()).scale;
         self.extent = 1.0;
         self.moved = 0;
         let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();

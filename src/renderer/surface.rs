@@ -11,7 +11,7 @@ use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gl, Texture};
 use crate::scene::{Cull, Image, Method, Paint, RenderSettings, Shading, Surface, check_transform};
-use crate::tessellation::{NormalCone, SquareNets};
+use crate::tessellation::{NormalCone, Raised, SquareNets};
 use crate::trim::Trims;
 
 /// A surface uploaded to the driver. It can be changed between frames.
@@ -21,6 +21,8 @@ use crate::trim::Trims;
 pub struct PreparedSurface {
     surface: Surface,
     control_points: ControlPoints,
+    /// What the exact method draws instead of the surface's own patches, if a neighbour has a higher degree.
+    raised: Option<RaisedPatches>,
     /// One cone for each patch.
     cones: Vec<NormalCone>,
     nets: SquareNets,
@@ -30,6 +32,13 @@ pub struct PreparedSurface {
     net: Option<Buffer>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
+}
+
+/// Patches of a higher degree, and their control points in the driver's memory.
+#[derive(Debug)]
+pub(crate) struct RaisedPatches {
+    pub(crate) patches: Raised,
+    pub(crate) control_points: ControlPoints,
 }
 
 /// Identifies the state of a surface. No two states have equal revisions.
@@ -53,7 +62,7 @@ impl PreparedSurface {
         let points = surface.patch_points();
         let centering = LocalFrame::of(points.iter());
         let mut uploaded = ControlPoints::upload(gl, &[(points, centering)])?;
-        Self::with_points(surface, texture, uploaded.remove(0))
+        Self::with_points(surface, texture, uploaded.remove(0), None)
     }
 
     /// The same, with control points that are already uploaded.
@@ -61,16 +70,21 @@ impl PreparedSurface {
         surface: Surface,
         texture: Option<Rc<Texture>>,
         control_points: ControlPoints,
+        raised: Option<RaisedPatches>,
     ) -> Result<Self> {
         check_transform(&surface.transform)?;
         surface.trims.check()?;
-        let degree = surface.degree();
-        let patches = surface.patch_points().chunks_exact(degree.points());
+        let (degree, points) = match &raised {
+            Some(raised) => (raised.patches.degree, &raised.patches.points[..]),
+            None => (surface.degree(), surface.patch_points()),
+        };
+        let patches = points.chunks_exact(degree.points());
         Ok(Self {
             cones: patches.map(|points| NormalCone::new(degree, points)).collect(),
-            nets: SquareNets::new(degree, surface.patch_points()),
+            nets: SquareNets::new(degree, points),
             surface,
             control_points,
+            raised,
             texture,
             net: None,
             uploaded_trims: UploadedTrims::default(),
@@ -112,11 +126,12 @@ impl PreparedSurface {
     /// An index out of range, a point that is not finite, or a weight that is not above 0; the surface stays
     /// unchanged.
     pub fn set_control_point(&mut self, point: DVec4, index: usize) -> Result<()> {
-        let before = self.surface.nurbs().map(|_| self.surface.shared_patch_points());
+        let is_whole = self.surface.nurbs().is_none() && self.raised.is_none();
+        let before = (!is_whole).then(|| self.surface.shared_patch_points());
         self.surface.set_control_point(point, index)?;
         let degree = self.surface.degree();
         let points = self.surface.patch_points();
-        let (changed, on_border): (Vec<usize>, bool) = match before {
+        let (changed, on_border): (Vec<usize>, bool) = match &before {
             None => {
                 self.control_points.write(index, &[point]);
                 let of_patch = index % degree.points();
@@ -132,16 +147,25 @@ impl PreparedSurface {
             }
         };
         for patch in &changed {
-            let first = patch * degree.points();
-            let points = &points[first..][..degree.points()];
-            if self.surface.nurbs().is_some() {
-                self.control_points.write(first, points);
+            let of_patch = |degree: Degree| patch * degree.points()..(patch + 1) * degree.points();
+            let own = &points[of_patch(degree)];
+            let mut drawn = (degree, own);
+            if let Some(before) = &before {
+                self.control_points.write(patch * degree.points(), own);
+                if let Some(RaisedPatches { patches, control_points }) = &mut self.raised {
+                    patches.update(*patch, degree, &before[of_patch(degree)], own);
+                    drawn = (patches.degree, &patches.points[of_patch(patches.degree)]);
+                    control_points.write(patch * patches.degree.points(), drawn.1);
+                }
             }
-            self.cones[*patch] = NormalCone::new(degree, points);
-            self.nets.update(*patch, points);
+            self.cones[*patch] = NormalCone::new(drawn.0, drawn.1);
+            self.nets.update(*patch, drawn.1);
         }
         if self.control_points.are_off_center(points) {
             self.control_points.recenter(points);
+            if let Some(RaisedPatches { patches, control_points }) = &mut self.raised {
+                control_points.recenter_like(&self.control_points, &patches.points);
+            }
             self.revision.borders = new_number();
         } else if on_border {
             self.revision.borders = new_number();
@@ -219,6 +243,22 @@ impl PreparedSurface {
         }
     }
 
+    /// The degree of the patches that the exact method draws.
+    pub(crate) fn drawn_degree(&self) -> Degree {
+        self.raised.as_ref().map_or(self.degree(), |raised| raised.patches.degree)
+    }
+
+    /// The control points of the patches that the exact method draws.
+    pub(crate) fn drawn_points(&self) -> &[DVec4] {
+        self.raised.as_ref().map_or(self.surface.patch_points(), |raised| &raised.patches.points)
+    }
+
+    /// The same in the driver's memory.
+    pub(crate) fn uploaded_drawn_points(&self) -> &ControlPoints {
+        self.raised.as_ref().map_or(&self.control_points, |raised| &raised.control_points)
+    }
+
+    /// The control points of the surface's own patches in the driver's memory.
     pub(crate) const fn uploaded_points(&self) -> &ControlPoints {
         &self.control_points
     }
@@ -262,7 +302,8 @@ impl PreparedSurface {
     /// Borrows for the planning pass: the points along a side of the patches' square nets, these nets, the cones and
     /// the trims.
     pub(super) fn for_plan(&mut self) -> (usize, &[DVec4], &[NormalCone], &mut UploadedTrims) {
-        let nets = self.nets.all(self.surface.patch_points());
+        let raised = self.raised.as_ref().map(|raised| &raised.patches.points[..]);
+        let nets = self.nets.all(raised.unwrap_or_else(|| self.surface.patch_points()));
         (self.nets.side(), nets, &self.cones, &mut self.uploaded_trims)
     }
 }

@@ -148,13 +148,12 @@ impl Surface {
     /// where the surface is torn.
     pub(crate) fn is_outermost(&self, patch: usize) -> bool {
         let Some(grid) = self.patch_grid() else { return true };
-        let is_free = |continues: &[bool], place: usize| {
-            let before = if place == 0 { continues.len() - 1 } else { place - 1 };
-            place == 0 || place + 1 == continues.len() || !continues[place] || !continues[before]
-        };
-        let columns = grid.columns.len();
-        is_free(&grid.column_continues, patch % columns)
-            || is_free(&grid.row_continues, patch / columns)
+        let (columns, rows) = (grid.columns.len(), grid.rows.len());
+        let (column, row) = (patch % columns, patch / columns);
+        let is_last = |place: usize, count: usize| place == 0 || place + 1 == count;
+        is_last(column, columns)
+            || is_last(row, rows)
+            || (0..4).any(|side| !grid.continues(patch, side))
     }
 
     /// How the patches of a NURBS surface divide its domain.

@@ -3,6 +3,7 @@
 
 use glam::DVec4;
 
+use super::disjoint_sets::DisjointSets;
 use crate::bezier::{Degree, PatchGrid};
 
 /// The sides of a patch in the order of `gl_TessLevelOuter`: u = 0, v = 0, u = 1, v = 1.
@@ -148,14 +149,7 @@ impl EdgeTable {
 
     /// For each source, the first source that it is connected to through shared edges.
     pub(crate) fn connected(&self, sources: &[EdgeSource<'_>]) -> Vec<usize> {
-        let mut first: Vec<usize> = (0..sources.len()).collect();
-        fn root(first: &mut [usize], mut source: usize) -> usize {
-            while first[source] != source {
-                first[source] = first[first[source]];
-                source = first[source];
-            }
-            source
-        }
+        let mut sets = DisjointSets::new(sources.len());
         let mut owner = vec![usize::MAX; self.count];
         let mut patch = 0;
         for (number, source) in sources.iter().enumerate() {
@@ -164,13 +158,12 @@ impl EdgeTable {
                     if owner[edge] == usize::MAX {
                         owner[edge] = number;
                     }
-                    let (a, b) = (root(&mut first, owner[edge]), root(&mut first, number));
-                    first[a.max(b)] = a.min(b);
+                    sets.join(owner[edge], number);
                 }
                 patch += 1;
             }
         }
-        (0..sources.len()).map(|source| root(&mut first, source)).collect()
+        (0..sources.len()).map(|source| sets.least(source)).collect()
     }
 
     /// The number of distinct edges.
@@ -190,24 +183,45 @@ fn edge(
     points: &[DVec4],
     side: usize,
 ) -> impl Iterator<Item = [u64; 4]> + Clone + '_ {
-    let (columns, rows) = (degree.columns(), degree.rows());
-    let (start, step, n) = match side {
-        0 => (0, columns, rows),
-        1 => (0, 1, columns),
-        2 => (columns - 1, columns, rows),
-        _ => (columns * (rows - 1), 1, columns),
-    };
+    let place = SideOfPatch::new(degree, side);
+    let n = place.count;
     // Weights scaled by a common factor describe the same curve.
-    let line = (0..n).map(move |i| points[start + i * step]);
+    let line = (0..n).map(|i| points[place.index(i)]);
     let scale = line.map(|point| point.w).fold(0.0, f64::max).log2().floor().exp2();
     let at = move |i: usize| {
-        let point = points[start + i * step];
+        let point = points[place.index(i)];
         // Adding 0 turns −0 into 0.
         let point = point.truncate().extend(point.w / scale) + DVec4::ZERO;
         point.to_array().map(f64::to_bits)
     };
     let reversed = (0..n).map(at).gt((0..n).rev().map(at));
     (0..n).map(move |i| at(if reversed { n - 1 - i } else { i }))
+}
+
+/// Where the control points of a side of a patch are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SideOfPatch {
+    first: usize,
+    step: usize,
+    pub(super) count: usize,
+}
+
+impl SideOfPatch {
+    pub(super) const fn new(degree: Degree, side: usize) -> Self {
+        let (columns, rows) = (degree.columns(), degree.rows());
+        let (first, step, count) = match side {
+            0 => (0, columns, rows),
+            1 => (0, 1, columns),
+            2 => (columns - 1, columns, rows),
+            _ => (columns * (rows - 1), 1, columns),
+        };
+        Self { first, step, count }
+    }
+
+    /// The index in the patch of point `i` of the side, in the direction of its parameter.
+    pub(super) const fn index(self, i: usize) -> usize {
+        self.first + i * self.step
+    }
 }
 
 /// FNV-1a over 64-bit words, its high bits mixed in.

@@ -3,7 +3,7 @@
 
 use glam::DVec4;
 
-use crate::bezier::{Degree, elevate_to_square};
+use crate::bezier::{Degree, elevate};
 
 /// Calls a function with the constant `N` for the number of points along a side of a square net.
 macro_rules! with_side {
@@ -30,6 +30,8 @@ const NET_SIDES: [usize; 8] = [2, 3, 4, 5, 6, 8, 12, 16];
 pub(crate) struct SquareNets {
     degree: Degree,
     side: usize,
+    /// The degree of the nets.
+    square: Degree,
     /// None if the control points are such nets themselves.
     raised: Option<Vec<DVec4>>,
 }
@@ -40,11 +42,12 @@ impl SquareNets {
         let longest = degree.columns().max(degree.rows());
         let side = NET_SIDES.into_iter().find(|side| *side >= longest);
         let side = side.expect("the largest net has a point more than the largest degree");
+        let square = Degree::new(side - 1, side - 1).expect("a square net has a valid degree");
         let raised = (degree.points() != side * side).then(|| {
             let patches = points.chunks_exact(degree.points());
-            patches.flat_map(|points| elevate_to_square(degree, points, side)).collect()
+            patches.flat_map(|points| elevate(degree, points, square)).collect()
         });
-        Self { degree, side, raised }
+        Self { degree, side, square, raised }
     }
 
     /// The number of points along a side.
@@ -61,10 +64,10 @@ impl SquareNets {
     pub(crate) fn update(&mut self, patch: usize, points: &[DVec4]) {
         let size = self.side * self.side;
         if let Some(raised) = &mut self.raised {
-            raised[patch * size..][..size].copy_from_slice(&elevate_to_square(
+            raised[patch * size..][..size].copy_from_slice(&elevate(
                 self.degree,
                 points,
-                self.side,
+                self.square,
             ));
         }
     }

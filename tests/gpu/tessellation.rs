@@ -26,6 +26,33 @@ fn views(scene: &Scene, aspect: f64, of_each: u64) -> Vec<Option<Camera>> {
 }
 
 #[test]
+fn edges_of_two_degrees_meet_bit_for_bit() {
+    let mut stage = Stage::new(uvec2(960, 600));
+    let path = root().join("resources/scenes/stability/tess-raised-edges.toml");
+    let mut scene = Scene { settings: within(0.5), ..load(&path) };
+    let mut prepared = stage.prepared(&scene);
+    // The last control point of an inner row and one that no edge depends on.
+    let changes: [&[(usize, f64)]; 2] = [&[], &[(4, 0.5)]];
+    for changes in changes {
+        for (index, y) in changes {
+            let point = scene.surfaces[0].control_points()[*index];
+            let point = DVec4::new(point.x, point.y + y, point.z, point.w);
+            scene.surfaces[0].set_control_point(point, *index).unwrap();
+            prepared.surfaces_mut()[0].set_control_point(point, *index).unwrap();
+        }
+        for (view, camera) in views(&scene, stage.aspect(), 8).into_iter().enumerate() {
+            let shown = Scene { camera, ..scene.clone() };
+            let drawn = stage.triangles(&mut prepared, &stage.frame(&shown));
+            let met = check_neighbours(&format!("view {view}"), &shown, &drawn);
+            check_insides(&format!("view {view}"), &drawn);
+            if view == 0 {
+                assert!(met.pairs == 3 && met.segments > 20, "{} {}", met.pairs, met.segments);
+            }
+        }
+    }
+}
+
+#[test]
 fn patches_of_the_teapot_meet_bit_for_bit() {
     let mut stage = Stage::new(uvec2(1920, 1080));
     let mut scene = teapot();

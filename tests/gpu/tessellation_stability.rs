@@ -144,6 +144,11 @@ fn neighbours_of_different_degrees() {
 }
 
 #[test]
+fn edges_of_another_degree_on_each_side() {
+    check_degrees("raised-edges");
+}
+
+#[test]
 fn neighbours_of_thirty_degrees() {
     check_degrees("many-degrees");
 }

@@ -26,9 +26,29 @@ fn control_points_of(side: Side, degree: Degree, points: &[DVec4]) -> Vec<DVec4>
     (0..count).map(|i| points[first + i * step]).collect()
 }
 
+/// The homogeneous point of a curve, by de Casteljau's algorithm.
+fn at(points: &[DVec4], t: f64) -> DVec4 {
+    let mut line: Vec<DVec4> = points.iter().map(|p| (p.truncate() * p.w).extend(p.w)).collect();
+    while line.len() > 1 {
+        line = line.windows(2).map(|pair| pair[0].lerp(pair[1], t)).collect();
+    }
+    line[0]
+}
+
 /// The factor between the weights of `a` and those of `b`, if both are the same curve in either direction and
-/// the factor is a power of two, which scales without rounding.
+/// the factor is a power of two, which scales without rounding. Curves of different degree are the same if they agree
+/// up to rounding.
 fn ratio_of_one_curve(a: &[DVec4], b: &[DVec4]) -> Option<f64> {
+    if a.len() != b.len() {
+        let same_along = |is_reversed: bool| {
+            let of_b = |t: f64| at(b, if is_reversed { 1.0 - t } else { t });
+            let ratio = at(a, 0.0).w / of_b(0.0).w;
+            let apart = (0..=20).map(|i| f64::from(i) / 20.0).map(|t| at(a, t) - of_b(t) * ratio);
+            let is_same = apart.fold(0.0, |max, apart| f64::max(max, apart.length())) < 1e-12;
+            (is_same && ratio.log2().fract() == 0.0).then_some(ratio)
+        };
+        return same_along(false).or_else(|| same_along(true));
+    }
     let ratio_along = |b: &mut dyn Iterator<Item = &DVec4>| {
         let pairs: Vec<_> = a.iter().zip(b).collect();
         let ratio = a[0].w / pairs[0].1.w;
