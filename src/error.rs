@@ -103,3 +103,8 @@ impl Error {
         }
     }
 }
+
+/// The first 20 characters of a word, so that a binary file does not make an error message of a whole page.
+pub(crate) fn shortened(word: &str) -> String {
+    word.chars().take(20).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}

@@ -1,12 +1,17 @@
 //! CAD models as plain data in `f64`: faces with their exact surfaces and boundaries, edges that faces share, and
 //! products that are used in several places. Lengths are in the model's unit, angles in radians.
 
+mod check;
 mod curve;
+mod instances;
+mod read;
+mod write;
 
 use glam::{DAffine3, DVec2, DVec3};
 
 use crate::bezier::NurbsSurface;
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
+pub use instances::Instance;
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,6 +81,11 @@ pub struct Frame {
     pub y: DVec3,
     /// Its z axis.
     pub z: DVec3,
+}
+
+impl Frame {
+    /// Axes and origin of the space itself.
+    pub const WORLD: Self = Self { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
 }
 
 /// The surface of a face with its parameters (u, v). x, y, z and the origin o are those of the frame.

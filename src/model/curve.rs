@@ -44,14 +44,19 @@ pub enum Curve {
 }
 
 /// A NURBS curve. The last coordinate of a control point is its weight; the others are not multiplied by it.
+///
+/// It takes the room of a pointer, because most coedges have none.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NurbsCurve<P> {
+pub struct NurbsCurve<P>(Box<Parts<P>>);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Parts<P> {
     degree: usize,
     knots: Vec<f64>,
     points: Vec<P>,
 }
 
-impl<P: Copy> NurbsCurve<P> {
+impl<P> NurbsCurve<P> {
     /// A curve from its full knot vector and its control points. A knot vector has degree + 1 knots more than there
     /// are control points.
     ///
@@ -60,30 +65,30 @@ impl<P: Copy> NurbsCurve<P> {
     /// is not that of the points. Knots are numbered from 0.
     pub fn new(degree: usize, knots: Vec<f64>, points: Vec<P>) -> Result<Self> {
         check_knots(degree, &knots, points.len())?;
-        Ok(Self { degree, knots, points })
+        Ok(Self(Box::new(Parts { degree, knots, points })))
     }
 
     /// The degree.
     #[must_use]
     pub const fn degree(&self) -> usize {
-        self.degree
+        self.0.degree
     }
 
     /// The knots.
     #[must_use]
     pub fn knots(&self) -> &[f64] {
-        &self.knots
+        &self.0.knots
     }
 
     /// The control points.
     #[must_use]
     pub fn control_points(&self) -> &[P] {
-        &self.points
+        &self.0.points
     }
 
     /// The first and the last parameter.
     #[must_use]
     pub fn domain(&self) -> [f64; 2] {
-        [self.knots[self.degree], self.knots[self.points.len()]]
+        [self.0.knots[self.0.degree], self.0.knots[self.0.points.len()]]
     }
 }

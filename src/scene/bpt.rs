@@ -11,7 +11,7 @@ use glam::DVec4;
 use super::Surface;
 use super::file::line_of;
 use crate::bezier::Degree;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shortened};
 
 /// The meaning of the two integers before patches, and how often they are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -56,11 +56,6 @@ fn numbers(text: &str) -> Result<Vec<f64>, Fault> {
             })
         })
         .collect()
-}
-
-/// The first 20 characters of a word, so that a binary file does not make an error message of a whole page.
-pub(super) fn shortened(word: &str) -> String {
-    word.chars().take(20).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 fn line_of_value(text: &str, value: usize) -> usize {

@@ -14,7 +14,8 @@ use glam::DVec3;
 use super::counted;
 use super::reader::{finite, index, out_of_range};
 use crate::bezier::Degree;
-use crate::scene::bpt::shortened;
+use crate::error::shortened;
+
 use style::Style;
 use surfaces::{Curve, FreeSurface, Loop, NurbsParts, Part, SAME_END};
 

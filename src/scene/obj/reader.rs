@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 use super::freeform::FreeForm;
 use super::{Run, Surface, counted, polygon};
 use crate::bezier::MAX_COORDINATE;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shortened};
 use crate::mesh::{Corner, Mesh};
-use crate::scene::{bpt::shortened, file::unreadable};
+use crate::scene::file::unreadable;
 
 /// The maximum length of a line in bytes, including its continuation lines: a face of some ten thousand corners.
 pub(super) const MAX_LINE: usize = 1 << 20;

@@ -2,8 +2,7 @@
 
 use super::super::counted;
 use crate::bezier::{Degree, check_knots, knots_of_bezier_curves};
-use crate::error::Error;
-use crate::scene::bpt::shortened;
+use crate::error::{Error, shortened};
 
 /// What `cstype` and `deg` say about the curves and surfaces after them.
 #[derive(Debug, Default, Clone)]
