@@ -25,7 +25,7 @@ pub(crate) use bounds::bounding_box;
 pub(crate) use bspline::{bezier_curves, check_knots, knots_of_bezier_curves, points_between};
 pub(crate) use elevate::{elevate, elevate_curve};
 pub use nurbs::NurbsSurface;
-pub(crate) use nurbs::PatchGrid;
+pub(crate) use nurbs::{PatchGrid, span_of};
 pub(crate) use product::{composition, product, product_share};
 pub(crate) use split::{split, split_slice};
 

@@ -1,16 +1,25 @@
 //! CAD models as plain data in `f64`: faces with their exact surfaces and boundaries, edges that faces share, and
 //! products that are used in several places. Lengths are in the model's unit, angles in radians.
 
+mod boundary;
+mod chain;
+mod chart;
 mod check;
 mod curve;
+mod drawn;
+mod evaluate;
+mod fit;
 mod instances;
+mod projection;
 mod read;
+mod sheet;
 mod write;
 
 use glam::{DAffine3, DVec2, DVec3};
 
 use crate::bezier::NurbsSurface;
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
+pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
 pub use instances::Instance;
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.

@@ -221,7 +221,7 @@ impl Segment {
         }
     }
 
-    const fn points_mut(&mut self) -> &mut [DVec2] {
+    pub(crate) const fn points_mut(&mut self) -> &mut [DVec2] {
         match self {
             Self::Line(points) => points,
             Self::Quadratic(points) => points,
@@ -229,7 +229,7 @@ impl Segment {
         }
     }
 
-    fn map(&self, to: impl Fn(DVec2) -> DVec2) -> Self {
+    pub(crate) fn map(&self, to: impl Fn(DVec2) -> DVec2) -> Self {
         match self {
             Self::Line(points) => Self::Line(points.map(to)),
             Self::Quadratic(points) => Self::Quadratic(points.map(to)),
@@ -281,7 +281,7 @@ impl TrimLoop {
     }
 
     /// The same in a domain of the given size. Gaps are relative to it.
-    fn closed(mut segments: Vec<Segment>, domain: DVec2) -> Result<Self> {
+    pub(crate) fn closed(mut segments: Vec<Segment>, domain: DVec2) -> Result<Self> {
         if segments.is_empty() {
             return Err(Error::invalid("loop", "empty", "at least one segment"));
         }

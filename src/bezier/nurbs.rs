@@ -241,7 +241,7 @@ fn check_axis(axis: &str, degree: usize, knots: &[f64]) -> Result<usize> {
 }
 
 /// The index of the first knot of the span that contains a parameter of the domain.
-fn span_of(degree: usize, knots: &[f64], t: f64) -> usize {
+pub(crate) fn span_of(degree: usize, knots: &[f64], t: f64) -> usize {
     let last = knots.len() - degree - 1;
     let inside = &knots[degree..last];
     let span = degree + inside.partition_point(|knot| *knot <= t).saturating_sub(1);

@@ -97,7 +97,7 @@ impl TrimCurve {
 
     /// Lines, quadratics and cubics: the curve itself, or within 1e-8 units of it. They end with the first piece
     /// beyond the number of segments that a loop may have.
-    fn segments(&self, unit: DVec2, segments: &mut Vec<Segment>) {
+    pub(crate) fn segments(&self, unit: DVec2, segments: &mut Vec<Segment>) {
         for piece in &self.pieces {
             if segments.len() > MAX_SEGMENTS {
                 return;

@@ -1,0 +1,193 @@
+//! Faces as they are drawn: an exact NURBS surface with trims in its parameters.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use glam::{DAffine3, DVec3};
+
+use super::boundary;
+use super::chain::{Distances, chain};
+use super::sheet::Sheet;
+use super::{BoundedCurve, Curve, Face, FaceSurface, Model};
+use crate::bezier::{NurbsSurface, bounding_box};
+use crate::error::{Error, Result};
+use crate::trim::{Segment, Trims};
+
+/// A face as the renderer draws it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnFace {
+    /// The surface over the part of its parameters that the face needs. It is the same as that of the face, but arcs
+    /// have the parameters of rational quadratic curves.
+    pub surface: NurbsSurface,
+    /// The loops in the parameters of `surface`.
+    pub trims: Trims,
+    /// The edges in the parameters of `surface`, loop by loop.
+    pub edges: Vec<DrawnEdge>,
+}
+
+/// An edge in the parameters of a drawn face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnEdge {
+    /// The number of the edge.
+    pub edge: usize,
+    /// Whether the segments follow the edge's curve from its start to its end.
+    pub forward: bool,
+    /// The number of the face's loop; the outermost loop comes first.
+    pub trim_loop: usize,
+    /// Where the segments come from.
+    pub source: PcurveSource,
+    /// The edge in the order of the loop.
+    pub segments: Vec<Segment>,
+}
+
+/// Where the p-curve of an edge comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PcurveSource {
+    /// The file.
+    File,
+    /// The edge's curve in space; the file has no p-curve.
+    Projected,
+    /// The edge's curve in space, because the file's p-curve is too far from it.
+    Refused,
+}
+
+/// The largest distance of a p-curve of the file from its edge, as a share of the model's diagonal.
+const PCURVE: f64 = 1e-6;
+/// The largest distance of the segments of an edge from it, as a share of the model's diagonal.
+const FITTED: f64 = 1e-7;
+/// The largest gap between edges that is closed by a line, as a share of the model's diagonal.
+const GAP: f64 = 1e-4;
+
+impl Model {
+    /// The diagonal of the bounding box of the whole model, about: by the control points of its edges' curves.
+    #[must_use]
+    pub fn diagonal(&self) -> f64 {
+        let mut boxes: Vec<Vec<DVec3>> = Vec::with_capacity(self.products.len());
+        for product in &self.products {
+            let [first, count] = product.faces;
+            let own = self.faces.get(first..first + count).unwrap_or_default();
+            let mut points: Vec<DVec3> = own.iter().flat_map(|face| self.points_of(face)).collect();
+            for place in &product.uses {
+                let corners = boxes.get(place.product).into_iter().flatten();
+                points.extend(corners.map(|point| transformed(&place.placement, *point)));
+            }
+            boxes.push(corners(points));
+        }
+        let all = || corners(self.faces.iter().flat_map(|face| self.points_of(face)).collect());
+        let whole = boxes.pop().filter(|corners| !corners.is_empty()).unwrap_or_else(all);
+        if whole.is_empty() { 0.0 } else { whole[0].distance(whole[7]) }
+    }
+
+    /// Points that span a face.
+    fn points_of(&self, face: &Face) -> Vec<DVec3> {
+        let coedges = face.loops.iter().flatten();
+        let curves = coedges.filter_map(|coedge| self.edges.get(coedge.edge)?.curve.as_ref());
+        let mut points: Vec<DVec3> = curves.flat_map(points_of_curve).collect();
+        if let FaceSurface::Nurbs(surface) = &face.surface {
+            if points.is_empty() {
+                points.extend(surface.control_points().iter().map(|point| point.truncate()));
+            }
+        } else {
+            let [low, high] = face.bounds;
+            let is_finite = low.is_finite() && high.is_finite();
+            if points.len() < 8 && is_finite {
+                let at = |i: u32, low: f64, high: f64| low + f64::from(i) / 8.0 * (high - low);
+                points.extend((0..81).map(|i| {
+                    face.surface.at(at(i % 9, low.x, high.x), at(i / 9, low.y, high.y)).position
+                }));
+            }
+        }
+        points
+    }
+
+    /// A face as it is drawn. `diagonal` is [`Model::diagonal`], to which tolerances are relative.
+    ///
+    /// # Errors
+    /// A face whose edges do not form closed loops or do not bound a part of its surface; the error names it.
+    ///
+    /// # Panics
+    /// If there is no such face.
+    pub fn drawn_face(&self, number: usize, diagonal: f64) -> Result<DrawnFace> {
+        let face = &self.faces[number];
+        self.draw(face, diagonal).map_err(|error| {
+            let name =
+                if face.name.is_empty() { String::new() } else { format!(" {:?}", face.name) };
+            error.within(format!("face {number}{name}"))
+        })
+    }
+
+    fn draw(&self, face: &Face, diagonal: f64) -> Result<DrawnFace> {
+        let sheet = Sheet::new(&face.surface, FITTED * diagonal);
+        let distances = Distances { diagonal, pcurve: PCURVE * diagonal, gap: GAP * diagonal };
+        let mut chains = Vec::with_capacity(face.loops.len());
+        for (number, coedges) in face.loops.iter().enumerate() {
+            for coedge in coedges {
+                if coedge.edge >= self.edges.len() {
+                    let expected = format!("below {}", self.edges.len());
+                    return Err(Error::invalid("number of an edge", coedge.edge, expected));
+                }
+            }
+            let chain = chain(self, face, coedges, &sheet, &distances)
+                .map_err(|error| error.within(format!("loop {number}")))?;
+            chains.push(chain);
+        }
+        let (surface, trims, edges) = boundary::drawn(face, &sheet, chains, FITTED * diagonal)?;
+        Ok(DrawnFace { surface, trims, edges })
+    }
+
+    /// All faces as they are drawn, in their order, by several threads.
+    #[must_use]
+    pub fn drawn_faces(&self) -> Vec<Result<DrawnFace>> {
+        /// The most threads.
+        const THREADS: usize = 8;
+        let diagonal = self.diagonal();
+        let next = AtomicUsize::new(0);
+        let work = || {
+            let mut found = Vec::new();
+            loop {
+                let number = next.fetch_add(1, Ordering::Relaxed);
+                if number >= self.faces.len() {
+                    return found;
+                }
+                found.push((number, self.drawn_face(number, diagonal)));
+            }
+        };
+        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(THREADS);
+        let mut all: Vec<(usize, Result<DrawnFace>)> = std::thread::scope(|scope| {
+            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
+            let mut all = work();
+            for other in others {
+                match other.join() {
+                    Ok(found) => all.extend(found),
+                    Err(panic) => std::panic::resume_unwind(panic),
+                }
+            }
+            all
+        });
+        all.sort_by_key(|(number, _)| *number);
+        all.into_iter().map(|(_, face)| face).collect()
+    }
+}
+
+fn transformed(placement: &DAffine3, point: DVec3) -> DVec3 {
+    placement.transform_point3(point)
+}
+
+/// The corners of a bounding box.
+fn corners(points: Vec<DVec3>) -> Vec<DVec3> {
+    if points.is_empty() {
+        return points;
+    }
+    let [low, high] = bounding_box(points);
+    let pick = |i: usize, axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
+    (0..8).map(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2))).collect()
+}
+
+fn points_of_curve(curve: &BoundedCurve) -> Vec<DVec3> {
+    let [low, high] = curve.range;
+    let count = match curve.curve {
+        Curve::Line { .. } => 1,
+        _ => 16,
+    };
+    let share = |i: u32| f64::from(i) / f64::from(count);
+    (0..=count).map(|i| curve.curve.at(low + share(i) * (high - low))[0]).collect()
+}

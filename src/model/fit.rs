@@ -1,0 +1,233 @@
+//! Edges as lines and cubics in the parameters of the drawn surface.
+
+use glam::DVec2;
+
+use super::chart::{Axis, Profile};
+use super::projection::{Trace, TracedCurve};
+use super::{FaceSurface, Frame};
+use crate::trim::{Segment, TrimCurve};
+
+/// How accurate fitted curves are.
+#[derive(Clone, Copy)]
+pub(super) struct Accuracy {
+    /// The largest distance in space.
+    pub(super) in_space: f64,
+    /// The largest distance in the drawn parameters, where that in space is larger.
+    pub(super) in_domain: DVec2,
+}
+
+/// The part of the accuracy that may be used, because distances are known at samples only.
+const SAFETY: f64 = 0.5;
+const MAX_HALVINGS: u32 = 14;
+
+/// A place on an edge in drawn parameters.
+#[derive(Clone, Copy)]
+struct Place {
+    t: f64,
+    at: DVec2,
+    slope: DVec2,
+    /// Lengths in space of the derivatives of the drawn surface.
+    scale: DVec2,
+}
+
+/// An edge with the parameters of the drawn surface.
+pub(super) struct Fit<'a> {
+    pub(super) trace: &'a Trace<'a>,
+    /// Added to the edge's parameters: whole periods.
+    pub(super) shift: DVec2,
+    pub(super) axes: [Axis; 2],
+    pub(super) accuracy: Accuracy,
+    /// Values of u and of v where the drawn surface is less smooth.
+    pub(super) breaks: &'a [Vec<f64>; 2],
+}
+
+impl Fit<'_> {
+    /// The segments of the edge, from its start to its end.
+    pub(super) fn segments(&self) -> Vec<Segment> {
+        if let Some(segments) = self.exact() {
+            return segments;
+        }
+        let [first, last] = self.trace.range;
+        let ends = [self.place(first), self.place(last)];
+        let between = || self.trace.samples.iter().map(|(t, _)| *t);
+        let middles = self.trace.samples.windows(2).map(|pair| pair[0].0.midpoint(pair[1].0));
+        let mut all = between().chain(middles).filter(|t| first < *t && *t < last);
+        if all.all(|t| self.is_on_line(ends, &self.place(t))) {
+            return vec![Segment::Line(ends.map(|end| end.at))];
+        }
+        let mut breaks = self.trace.breaks();
+        for axis in 0..2 {
+            for value in &self.breaks[axis] {
+                self.trace.crossings(axis, value - self.shift[axis], &mut breaks);
+            }
+        }
+        breaks.retain(|t| first < *t && *t < last);
+        breaks.push(last);
+        breaks.sort_by(f64::total_cmp);
+        let shortest = 1e-9 * (last - first);
+        let mut segments = Vec::new();
+        let mut from = ends[0];
+        for (i, t) in breaks.iter().enumerate() {
+            let is_last = i + 1 == breaks.len();
+            if !is_last && (*t - from.t < shortest || last - *t < shortest) {
+                continue;
+            }
+            let to = if is_last { ends[1] } else { self.place(*t) };
+            self.add(from, to, 0, &mut segments);
+            from = to;
+        }
+        segments
+    }
+
+    /// Curves that need no fit: p-curves whose parameters are those of the drawn surface, and edges of planes.
+    fn exact(&self) -> Option<Vec<Segment>> {
+        if self.axes != [Axis::Same; 2] {
+            return None;
+        }
+        let curve = match (self.trace.curve, self.trace.sheet.surface) {
+            (TracedCurve::Pcurve(curve), _) => {
+                let shift = self.shift.extend(0.0);
+                let points: Vec<_> = curve.control_points().iter().map(|p| *p + shift).collect();
+                TrimCurve::nurbs(curve.degree(), curve.knots(), &points)
+            }
+            (TracedCurve::Edge(edge), FaceSurface::Plane(frame)) => {
+                let profile = Profile::of(edge);
+                let flat = |frame: &Frame, point: &glam::DVec4| {
+                    frame.local(point.truncate()).truncate().extend(point.w)
+                };
+                let points: Vec<_> = profile.points.iter().map(|p| flat(frame, p)).collect();
+                TrimCurve::nurbs_part(profile.degree, &profile.knots, &points, edge.range)
+            }
+            _ => return None,
+        };
+        let mut segments = Vec::new();
+        curve.ok()?.segments(self.accuracy.in_domain * 1e8, &mut segments);
+        Some(segments)
+    }
+
+    fn place(&self, t: f64) -> Place {
+        let traced = self.trace.at(t);
+        let uv = traced.uv + self.shift;
+        let [[x, dx], [y, dy]] = [self.axes[0].drawn(uv.x), self.axes[1].drawn(uv.y)];
+        let by = DVec2::new(dx, dy);
+        Place { t, at: DVec2::new(x, y), slope: traced.slope * by, scale: traced.scale / by }
+    }
+
+    /// How far a point is from a place, as a share of what is allowed.
+    fn excess(&self, place: &Place, off: DVec2) -> f64 {
+        let in_space = (off.abs() * place.scale).element_sum() / self.accuracy.in_space;
+        let in_domain = (off.abs() / self.accuracy.in_domain).max_element();
+        in_space.min(in_domain) / SAFETY
+    }
+
+    fn is_on_line(&self, [from, to]: [Place; 2], place: &Place) -> bool {
+        let scale = place.scale.max(DVec2::splat(1e-3 * place.scale.max_element()));
+        let (along, off) = ((to.at - from.at) * scale, (place.at - from.at) * scale);
+        let share = off.dot(along) / along.length_squared();
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        self.excess(place, (off - share * along) / scale) <= 1.0
+    }
+
+    /// Appends the segments between two places.
+    fn add(&self, from: Place, to: Place, halvings: u32, segments: &mut Vec<Segment>) {
+        let at = |share: f64| self.place(from.t + share * (to.t - from.t));
+        let thirds = [at(1.0 / 3.0), at(2.0 / 3.0)];
+        let middle = at(0.5);
+        let is_line = |place: &Place| self.is_on_line([from, to], place);
+        if is_line(&middle) && thirds.iter().all(is_line) && is_line(&at(0.2)) && is_line(&at(0.8))
+        {
+            segments.push(Segment::Line([from.at, to.at]));
+            return;
+        }
+        let candidates = [fitted(&from, &thirds, &to), Some(through(&from, &thirds, &to))];
+        for cubic in candidates.into_iter().flatten() {
+            let is_near = |place: &Place, share: f64| {
+                let off = place.at - nearest(&cubic, place, share);
+                self.excess(place, off) <= 1.0
+            };
+            let near = is_near(&middle, 0.5)
+                && is_near(&thirds[0], 1.0 / 3.0)
+                && is_near(&thirds[1], 2.0 / 3.0)
+                && [0.12, 0.24, 0.76, 0.88].into_iter().all(|share| is_near(&at(share), share));
+            if near || halvings >= MAX_HALVINGS {
+                segments.push(Segment::Cubic(cubic));
+                return;
+            }
+        }
+        self.add(from, middle, halvings + 1, segments);
+        self.add(middle, to, halvings + 1, segments);
+    }
+}
+
+/// The point of a cubic nearest to a place, in space, from a parameter nearby.
+fn nearest(cubic: &[DVec2; 4], place: &Place, share: f64) -> DVec2 {
+    let scale = place.scale.max(DVec2::splat(1e-3 * place.scale.max_element()));
+    let mut t = share;
+    for _ in 0..3 {
+        let [at, slope] = with_slope(cubic, t);
+        let (off, slope) = ((place.at - at) * scale, slope * scale);
+        let step = off.dot(slope) / slope.length_squared();
+        if !step.is_finite() {
+            break;
+        }
+        t = (t + step).clamp(0.0, 1.0);
+    }
+    with_slope(cubic, t)[0]
+}
+
+fn with_slope([a, b, c, d]: &[DVec2; 4], t: f64) -> [DVec2; 2] {
+    let s = 1.0 - t;
+    let (ab, bc, cd) = (s * *a + t * *b, s * *b + t * *c, s * *c + t * *d);
+    let (abc, bcd) = (s * ab + t * bc, s * bc + t * cd);
+    [s * abc + t * bcd, 3.0 * (bcd - abc)]
+}
+
+/// The cubic through four places at equal distances of the parameter.
+fn through(from: &Place, [a, b]: &[Place; 2], to: &Place) -> [DVec2; 4] {
+    let first = (-5.0 * from.at + 18.0 * a.at - 9.0 * b.at + 2.0 * to.at) / 6.0;
+    let second = (2.0 * from.at - 9.0 * a.at + 18.0 * b.at - 5.0 * to.at) / 6.0;
+    [from.at, first, second, to.at]
+}
+
+/// The cubic with the directions of the edge at its ends that goes through two places between them.
+fn fitted(from: &Place, thirds: &[Place; 2], to: &Place) -> Option<[DVec2; 4]> {
+    // Lengths in space, so that directions compare.
+    let scale = thirds[0].scale.max(thirds[1].scale);
+    let scale = scale.max(DVec2::splat(1e-6 * scale.max_element()));
+    let place = |place: &Place| place.at * scale;
+    let length = to.t - from.t;
+    let [start, end] = [place(from), place(to)];
+    let [at_start, at_end] = [from.slope * scale * length, to.slope * scale * length];
+    let mut by = [1.0, 1.0];
+    let cubic =
+        |by: [f64; 2]| [start, start + by[0] / 3.0 * at_start, end - by[1] / 3.0 * at_end, end];
+    let mut on_cubic = [1.0 / 3.0, 2.0 / 3.0];
+    for _ in 0..5 {
+        let fit = cubic(by);
+        let mut rows = [[0.0; 3]; 2];
+        for k in 0..2 {
+            let target = place(&thirds[k]);
+            for _ in 0..2 {
+                let [at, slope] = with_slope(&fit, on_cubic[k]);
+                let step = (target - at).dot(slope) / slope.length_squared();
+                on_cubic[k] = (on_cubic[k] + step).clamp(0.0, 1.0);
+            }
+            let [at, slope] = with_slope(&fit, on_cubic[k]);
+            let normal = slope.try_normalize()?.perp();
+            let (t, s) = (on_cubic[k], 1.0 - on_cubic[k]);
+            rows[k] = [
+                s * s * t * normal.dot(at_start),
+                -s * t * t * normal.dot(at_end),
+                normal.dot(target - at),
+            ];
+        }
+        let [[a, b, c], [d, e, f]] = rows;
+        let determinant = a * e - b * d;
+        let change = [(c * e - b * f) / determinant, (a * f - c * d) / determinant];
+        by = [by[0] + change[0], by[1] + change[1]];
+        if !by.iter().all(|by| (0.2..5.0).contains(by)) {
+            return None;
+        }
+    }
+    Some(cubic(by).map(|point| point / scale))
+}
