@@ -22,6 +22,9 @@ pub struct Aovs {
     pub normal: Vec<[f32; 4]>,
     /// The distance from the eye along the view axis in world units, in each of the first three values.
     pub depth: Vec<[f32; 4]>,
+    /// For faces of CAD models, and 1 as the fourth value only there: the number of the face in its model, its number among the
+    /// faces in all places of the model's products, and the number of the model in the scene.
+    pub face: Vec<[f32; 4]>,
 }
 
 impl Aovs {
@@ -35,7 +38,8 @@ impl Aovs {
             patch_uv: vec![[0.0; 2]; nothing.len()],
             position: nothing.clone(),
             normal: nothing.clone(),
-            depth: nothing,
+            depth: nothing.clone(),
+            face: nothing,
         }
     }
 
@@ -47,6 +51,7 @@ impl Aovs {
             AovKind::Position => &self.position,
             AovKind::Normal => &self.normal,
             AovKind::Depth => &self.depth,
+            AovKind::Face => &self.face,
         }
     }
 }
@@ -62,13 +67,15 @@ pub enum AovKind {
     Normal,
     /// [`Aovs::depth`].
     Depth,
+    /// [`Aovs::face`].
+    Face,
 }
 
 impl AovKind {
     /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Uv, Self::Position, Self::Normal, Self::Depth];
+    pub const ALL: [Self; 5] = [Self::Uv, Self::Position, Self::Normal, Self::Depth, Self::Face];
 
-    /// The name that [`AovKind::from_str`] reads: uv, position, normal or depth.
+    /// The name that [`AovKind::from_str`] reads: uv, position, normal, depth or face.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -76,6 +83,7 @@ impl AovKind {
             Self::Position => "position",
             Self::Normal => "normal",
             Self::Depth => "depth",
+            Self::Face => "face",
         }
     }
 }
@@ -85,7 +93,7 @@ impl FromStr for AovKind {
 
     fn from_str(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
-            Error::invalid("AOV", format!("\"{name}\""), "uv, position, normal or depth")
+            Error::invalid("AOV", format!("\"{name}\""), "uv, position, normal, depth or face")
         })
     }
 }
@@ -112,8 +120,9 @@ mod tests {
         aovs.position[0][0] = 2.0;
         aovs.normal[0][0] = 3.0;
         aovs.depth[0][0] = 4.0;
+        aovs.face[0][0] = 5.0;
         let firsts = AovKind::ALL.map(|kind| aovs.channel(kind)[0][0]);
-        assert_eq!(firsts, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(firsts, [1.0, 2.0, 3.0, 4.0, 5.0]);
         assert!(AovKind::ALL.iter().all(|kind| aovs.channel(*kind).len() == 6));
     }
 }

@@ -135,12 +135,19 @@ impl Camera {
     /// vertical, `+y` or `+z`; the front is `+z` or `−y` accordingly.
     #[must_use]
     pub fn framing(points: impl Iterator<Item = DVec3> + Clone, up: DVec3, aspect: f64) -> Self {
-        let up = up.normalize_or(DVec3::Y);
-        let front = if up.z.abs() > up.y.abs() { -DVec3::Y } else { DVec3::Z };
-        let right = up.cross(front).normalize();
+        let [up, front, right] = upright_axes(up);
         let back = (front + 0.85 * up + 0.4 * right).normalize();
         let lens = Lens::Perspective { fov_y_radians: 40_f64.to_radians() };
         Self { eye: back, target: DVec3::ZERO, up, lens }.fitted(points, aspect)
+    }
+
+    /// A camera without perspective that sees all `points` from the front, the right and above at equal angles, as large as a
+    /// picture of `aspect` (width over height) allows. `up` and the front are those of [`Camera::framing`].
+    #[must_use]
+    pub fn isometric(points: impl Iterator<Item = DVec3> + Clone, up: DVec3, aspect: f64) -> Self {
+        let [up, front, right] = upright_axes(up);
+        let lens = Lens::Orthographic { height: 1.0 };
+        Self { eye: front + up + right, target: DVec3::ZERO, up, lens }.fitted(points, aspect)
     }
 
     /// A camera that looks the same way with the same kind of lens and sees all `points`, as large as a
@@ -276,6 +283,13 @@ impl Camera {
         };
         ViewProjection { view, projection }
     }
+}
+
+/// Unit vectors upwards, to the front and to the right.
+fn upright_axes(up: DVec3) -> [DVec3; 3] {
+    let up = up.normalize_or(DVec3::Y);
+    let front = if up.z.abs() > up.y.abs() { -DVec3::Y } else { DVec3::Z };
+    [up, front, up.cross(front).normalize()]
 }
 
 #[cfg(test)]

@@ -82,7 +82,8 @@ struct RenderArguments {
     smoothing: Option<Smoothing>,
 
     /// Write the values at the centre of each pixel as 32-bit floats: uv (u, v and the number of the patch),
-    /// position and normal (in world space), or depth (along the view axis). May be given several times; works
+    /// position and normal (in world space), depth (along the view axis), or face (of a CAD model: the number of the
+    /// face, its number among the faces in all places, the number of the model). May be given several times; works
     /// with one scene only.
     #[arg(long, value_name = "KIND=FILE.exr")]
     aov: Vec<AovFile>,

@@ -10,6 +10,7 @@
 
 mod coverage;
 mod raster;
+mod rays;
 mod sampler;
 mod shading;
 
@@ -27,6 +28,7 @@ use sampler::Sampler;
 
 pub use crate::thesis::normal::thesis_normal;
 pub use coverage::{Cover, Coverage, coverage, has_gap_near};
+pub use rays::{Hit, Rays};
 
 /// The content of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,6 +1,7 @@
 //! A scene as plain data, which the parsers create and both renderers draw.
 
 mod bpt;
+mod cad;
 mod document;
 mod file;
 mod model;
@@ -14,6 +15,7 @@ mod write;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use glam::{DMat4, DVec3, dvec2, dvec3};
 
@@ -23,6 +25,7 @@ use crate::error::Result;
 use crate::mesh::{CreaseAngle, Smoothing};
 use crate::trim::Circle;
 
+pub use cad::{CadModel, FaceOfModel};
 use file::{BYTE_ORDER_MARK, check_is_file, extension, read_text, unreadable};
 pub use model::{Material, MeshModel};
 pub(crate) use settings::CONTROL_POINT_PX;
@@ -38,12 +41,31 @@ pub use write::SceneText;
 pub type Image = image::RgbaImage;
 
 /// Options of the caller that override those of the scene's file.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadOptions {
     /// The angle beyond which an edge is a crease, for computing normals that meshes lack.
     pub crease: Option<CreaseAngle>,
     /// The axis that is vertical when the scene is framed.
     pub up: Option<UpAxis>,
+    /// How long the reader of STEP, IGES and BREP files may take.
+    pub import_limit: Duration,
+}
+
+impl Default for LoadOptions {
+    /// Nothing is overridden; two minutes for the reader of CAD files.
+    fn default() -> Self {
+        Self { crease: None, up: None, import_limit: Duration::from_secs(120) }
+    }
+}
+
+/// From where a scene without a camera is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Viewpoint {
+    /// From the front, as [`Camera::framing`].
+    #[default]
+    Front,
+    /// As [`Camera::isometric`]: for CAD models.
+    Isometric,
 }
 
 /// Surfaces, how they are drawn, and the camera that sees them.
@@ -52,8 +74,10 @@ pub struct Scene {
     /// Every file that the scene was read from: its own file, and the files of patches, meshes, SVG trims and
     /// pictures.
     pub files: Vec<PathBuf>,
-    /// The camera; without one the scene is framed from the front.
+    /// The camera; without one the scene is framed.
     pub camera: Option<Camera>,
+    /// From where it is seen if it is framed.
+    pub viewpoint: Viewpoint,
     /// The axis that is vertical when the scene is framed.
     pub up: DVec3,
     /// How it is drawn.
@@ -62,6 +86,8 @@ pub struct Scene {
     pub surfaces: Vec<Surface>,
     /// The meshes, which are drawn after the surfaces.
     pub meshes: Vec<MeshModel>,
+    /// The CAD models; their faces are among the surfaces.
+    pub models: Vec<CadModel>,
 }
 
 impl Default for Scene {
@@ -70,16 +96,18 @@ impl Default for Scene {
         Self {
             files: Vec::new(),
             camera: None,
+            viewpoint: Viewpoint::default(),
             up: DVec3::Y,
             settings: RenderSettings::default(),
             surfaces: Vec::new(),
             meshes: Vec::new(),
+            models: Vec::new(),
         }
     }
 }
 
 impl Scene {
-    /// Reads a `.toml`, `.bpt` or `.obj` file.
+    /// Reads a `.toml`, `.bpt` or `.obj` file, or a CAD model: `.ffm`, and by a program of its own, STEP, IGES and BREP files.
     ///
     /// # Errors
     /// A file that cannot be read, is of another kind, or does not describe a scene; with the line.
@@ -87,7 +115,7 @@ impl Scene {
         Self::load_with(path, &LoadOptions::default())
     }
 
-    /// Reads a `.toml`, `.bpt` or `.obj` file; the options override the file.
+    /// Reads a file as [`Scene::load`]; the options override the file.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -96,10 +124,13 @@ impl Scene {
             "toml" => document::parse(&read_text(path)?, path, options)?,
             "bpt" => Self::from_bpt(&read_text(path)?, path)?,
             "obj" => Self::of_obj(path, options)?,
+            _ if CadModel::is_file_of_one(path) => Self::of_model(path, options)?,
             // A missing file, or a folder, is reported first.
             other => {
                 return Err(check_is_file(path).err().unwrap_or_else(|| {
-                    let reason = format!("a scene is a .toml, .bpt or .obj file, not \"{other}\"");
+                    let reason = format!(
+                        "a scene is a .toml, .bpt, .obj, .ffm, .step, .iges or .brep file, not \"{other}\""
+                    );
                     unreadable(path, reason)
                 }));
             }
@@ -178,6 +209,17 @@ impl Scene {
         Self { files, surfaces, meshes, ..Self::empty(path) }
     }
 
+    /// A CAD model alone: z upright, seen isometrically.
+    fn of_model(path: &Path, options: &LoadOptions) -> Result<Self> {
+        let (model, surfaces) = CadModel::load(path, 0, DMat4::IDENTITY, None, options)?;
+        Ok(Self { models: vec![model], surfaces, ..Self::of_models(path) })
+    }
+
+    /// An empty scene for CAD models.
+    fn of_models(path: &Path) -> Self {
+        Self { up: DVec3::Z, viewpoint: Viewpoint::Isometric, ..Self::empty(path) }
+    }
+
     /// An empty scene for a file.
     fn empty(path: &Path) -> Self {
         Self {
@@ -199,7 +241,10 @@ impl Scene {
     /// A camera that sees the whole scene, for pictures of `aspect` (width over height).
     #[must_use]
     pub fn framed(&self, aspect: f64) -> Camera {
-        Camera::framing(self.shown_points(), self.up, aspect)
+        match self.viewpoint {
+            Viewpoint::Front => Camera::framing(self.shown_points(), self.up, aspect),
+            Viewpoint::Isometric => Camera::isometric(self.shown_points(), self.up, aspect),
+        }
     }
 
     /// A camera that looks the same way and sees the whole scene.

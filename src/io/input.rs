@@ -2,6 +2,7 @@
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::{Error, Result};
 use clap::Args;
@@ -24,6 +25,10 @@ pub(crate) struct LoadArguments {
     /// is larger than this. It replaces the scene's angle, which is 30 by default.
     #[arg(long, value_name = "D", value_parser = crease_angle, allow_negative_numbers = true)]
     crease_degrees: Option<CreaseAngle>,
+
+    /// How long the reader of STEP, IGES and BREP files may take, in seconds.
+    #[arg(long, value_name = "S", default_value_t = 120)]
+    import_timeout: u64,
 }
 
 fn up_axis(text: &str) -> Result<UpAxis, String> {
@@ -43,7 +48,11 @@ impl LoadArguments {
     /// # Errors
     /// As [`Scene::load`].
     pub(crate) fn load(self, path: &Path) -> Result<Scene> {
-        let options = LoadOptions { crease: self.crease_degrees, up: self.up };
+        let options = LoadOptions {
+            crease: self.crease_degrees,
+            up: self.up,
+            import_limit: Duration::from_secs(self.import_timeout),
+        };
         if !is_standard(path) {
             return Ok(Scene::load_with(path, &options)?);
         }

@@ -26,12 +26,12 @@ impl PreparedScene {
         target.bind_cleared();
         self.draw_together(renderer, &frame, Output::Aovs)?;
         let mut aovs = target.aovs();
-        self.set_parameters(&mut aovs);
+        self.set_surfaces(&mut aovs);
         Ok(aovs)
     }
 
-    /// Replaces u and v in the patches by those in the domains of NURBS surfaces.
-    fn set_parameters(&self, aovs: &mut Aovs) {
+    /// Replaces u and v in the patches by those in the domains of NURBS surfaces, and sets the faces of CAD models.
+    fn set_surfaces(&self, aovs: &mut Aovs) {
         let surfaces = self.surfaces.iter().map(PreparedSurface::surface);
         // For each surface, the number of its first patch.
         let mut firsts = Vec::new();
@@ -43,15 +43,20 @@ impl PreparedScene {
         if surfaces.clone().all(|surface| surface.nurbs().is_none()) {
             return;
         }
-        for (uv, own) in aovs.uv.iter_mut().zip(&aovs.patch_uv) {
+        let pixels = aovs.uv.iter_mut().zip(&aovs.patch_uv).zip(&mut aovs.face);
+        for ((uv, own), face) in pixels {
             let patch = uv[2] as usize;
             if uv[3] == 0.0 || patch >= next {
                 continue;
             }
             let number = firsts.partition_point(|first| *first <= patch) - 1;
-            let [low, high] = self.surfaces[number].surface().patch_domain(patch - firsts[number]);
+            let surface = self.surfaces[number].surface();
+            let [low, high] = surface.patch_domain(patch - firsts[number]);
             let place = low + DVec2::new(own[0].into(), own[1].into()) * (high - low);
             [uv[0], uv[1]] = place.as_vec2().to_array();
+            if let Some(of) = surface.face {
+                *face = [of.face as f32, of.instance as f32, of.model as f32, 1.0];
+            }
         }
     }
 

@@ -26,6 +26,7 @@ impl FloatTarget {
         let depth = both.iter().enumerate().map(|(i, [_, _, _, d])| [*d, *d, *d, drawn(i)]);
         let patch_uv = uv.iter().map(|[u, v, ..]| [*u, *v]).collect();
         let (normal, depth) = (normal.collect(), depth.collect());
-        Aovs { size: self.size(), normal, depth, uv, patch_uv, position }
+        let face = vec![[0.0; 4]; uv.len()];
+        Aovs { size: self.size(), normal, depth, uv, patch_uv, position, face }
     }
 }

@@ -13,13 +13,13 @@ use toml::Spanned;
 use super::file::{extension, line_of, read_text, unreadable};
 use super::surface::check_transform;
 use super::tables::{
-    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
-    ShadingName, SmoothingName, SurfaceTable,
+    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, ModelTable,
+    RenderTable, ShadingName, SmoothingName, SurfaceTable,
 };
 use super::{
-    Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene,
-    Surface, TessLevel, Tessellation, Tolerance, UpAxis, bpt, default_control_points, load_texture,
-    obj,
+    CadModel, Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples,
+    Scene, Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint, bpt,
+    default_control_points, load_texture, obj,
 };
 use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
 use crate::camera::{Camera, Lens};
@@ -43,13 +43,13 @@ pub(super) const MAX_PATCH_POINTS: usize = 1 << 20;
 /// with the file.
 pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Scene> {
     let files = vec![path.to_owned()];
-    let crease = options.crease;
     let mut builder =
-        Builder { text, path, crease, chunk: 0, textures: HashMap::new(), files, from_files: 0 };
+        Builder { text, path, options, chunk: 0, textures: HashMap::new(), files, from_files: 0 };
     let mut camera = None;
     let mut stage = None;
     let mut surfaces = Vec::new();
     let mut meshes = Vec::new();
+    let mut models = Vec::new();
     let mut trim_places = Vec::new();
     for chunk in chunks(text) {
         builder.chunk = chunk.start;
@@ -64,9 +64,16 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         for table in document.mesh {
             meshes.push(builder.mesh(table)?);
         }
+        for table in document.model {
+            let (model, faces) = builder.model(table, models.len())?;
+            trim_places.extend(faces.iter().map(|_| TrimPlaces::of_surface(builder.chunk)));
+            surfaces.extend(faces);
+            models.push(model);
+        }
     }
     if surfaces.is_empty() && meshes.is_empty() {
-        let nothing = Error::invalid("scene", "empty", "at least one [[surface]] or [[mesh]]");
+        let nothing =
+            Error::invalid("scene", "empty", "at least one [[surface]], [[mesh]] or [[model]]");
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
@@ -74,8 +81,10 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
     // Without a camera, a scene has no viewpoint of its own, so the lights move with the eye.
     let framed = if camera.is_some() { Light::World } else { Light::Camera };
     settings.light = light.unwrap_or(framed);
-    // A scene of nothing but `.bpt` files is oriented as these files are on their own.
+    // A scene of nothing but `.bpt` files and CAD models is oriented as these files are on their own.
     let of_files = meshes.is_empty() && surfaces.len() == builder.from_files;
+    let of_models = meshes.is_empty() && surfaces.iter().all(|surface| surface.face.is_some());
+    let viewpoint = if of_models { Viewpoint::Isometric } else { Viewpoint::Front };
     let up = up.unwrap_or(if of_files { UpAxis::Z } else { UpAxis::Y }).direction();
     if settings.method == Method::Thesis {
         builder.chunk = 0;
@@ -83,16 +92,16 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
             builder.check_for_thesis(surface, places)?;
         }
     }
-    Ok(Scene { files: builder.files, camera, up, settings, surfaces, meshes })
+    Ok(Scene { files: builder.files, camera, viewpoint, up, settings, surfaces, meshes, models })
 }
 
-/// The text before the first line `[[surface]]` or `[[mesh]]`, then from each such line to the next.
+/// The text before the first line `[[surface]]`, `[[mesh]]` or `[[model]]`, then from each such line to the next.
 fn chunks(text: &str) -> Vec<Range<usize>> {
     let mut starts = vec![0];
     let mut offset = 0;
     for line in text.split_inclusive('\n') {
         let header = line.split('#').next().unwrap_or_default().trim();
-        if offset > 0 && matches!(header, "[[surface]]" | "[[mesh]]") {
+        if offset > 0 && matches!(header, "[[surface]]" | "[[mesh]]" | "[[model]]") {
             starts.push(offset);
         }
         offset += line.len();
@@ -162,13 +171,13 @@ fn length_of_string(text: &str, quote: &str) -> usize {
 struct Builder<'a> {
     text: &'a str,
     path: &'a Path,
-    /// Overrides the crease angles of the meshes' tables.
-    crease: Option<CreaseAngle>,
+    /// They override the tables.
+    options: &'a LoadOptions,
     /// The offset of the chunk that is being parsed; spans are relative to it.
     chunk: usize,
     textures: HashMap<PathBuf, Arc<Image>>,
     files: Vec<PathBuf>,
-    /// How many surfaces come from `.bpt` files.
+    /// How many surfaces come from `.bpt` files and CAD models.
     from_files: usize,
 }
 
@@ -313,7 +322,7 @@ impl Builder<'_> {
             (SmoothingName::None, None) => Smoothing::None,
         };
         let crease = table.crease_degrees.map(|angle| self.check(angle, CreaseAngle::new));
-        let crease = self.crease.or(crease.transpose()?).unwrap_or_default();
+        let crease = self.options.crease.or(crease.transpose()?).unwrap_or_default();
         let path = self.beside_scene(table.file.get_ref());
         let (mut model, files) = self.check(table.file, |_| {
             let obj::ObjScene { model, files, .. } = obj::load(&path, crease, smoothing)?;
@@ -331,6 +340,26 @@ impl Builder<'_> {
         model.transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
             .map_err(|error| self.at(start, error))?;
         Ok(model)
+    }
+
+    /// A CAD model, which is the scene's model `number`, and its faces.
+    fn model(
+        &mut self,
+        table: Spanned<ModelTable>,
+        number: usize,
+    ) -> Result<(CadModel, Vec<Surface>)> {
+        let start = table.span().start;
+        let table = table.into_inner();
+        let path = self.beside_scene(table.file.get_ref());
+        let color = table.color.map(|color| self.check(color, |rgb| unit_range("color", rgb)));
+        let color = color.transpose()?;
+        let transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
+            .map_err(|error| self.at(start, error))?;
+        let loaded = self
+            .check(table.file, |_| CadModel::load(&path, number, transform, color, self.options))?;
+        self.from_files += loaded.1.len();
+        self.files.push(path);
+        Ok(loaded)
     }
 
     fn paint(

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
-use super::Image;
+use super::{FaceOfModel, Image};
 use crate::bezier::{
     Degree, NurbsSurface, Patch, PatchGrid, SurfacePoint, check_control_point, check_coordinates,
 };
@@ -67,6 +67,8 @@ pub struct Surface {
     pub trims: Trims,
     /// Which patches are left out because of their orientation.
     pub cull: Cull,
+    /// The face of a CAD model that it is, if it is one.
+    pub face: Option<FaceOfModel>,
 }
 
 /// A NURBS surface and the grid of its patches.
@@ -106,6 +108,7 @@ impl Surface {
             shading: Shading::default(),
             trims: Trims::default(),
             cull: Cull::default(),
+            face: None,
         }
     }
 

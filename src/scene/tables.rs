@@ -17,6 +17,8 @@ pub(super) struct Document {
     pub(super) surface: Vec<Spanned<SurfaceTable>>,
     #[serde(default)]
     pub(super) mesh: Vec<Spanned<MeshTable>>,
+    #[serde(default)]
+    pub(super) model: Vec<Spanned<ModelTable>>,
 }
 
 #[derive(Deserialize)]
@@ -95,6 +97,17 @@ pub(super) struct MeshTable {
     pub(super) color: Option<Spanned<[f32; 3]>>,
     #[serde(default)]
     pub(super) shading: ShadingName,
+    pub(super) translate: Option<DVec3Value>,
+    pub(super) rotate_degrees: Option<DVec3Value>,
+    pub(super) scale: Option<f64>,
+    pub(super) matrix: Option<[[f64; 4]; 3]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ModelTable {
+    pub(super) file: Spanned<String>,
+    pub(super) color: Option<Spanned<[f32; 3]>>,
     pub(super) translate: Option<DVec3Value>,
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,

@@ -14,8 +14,8 @@ use image::ImageFormat;
 use super::document::{MAX_PATCH_POINTS, check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
-    Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene, Shading, Surface,
-    Tessellation, bpt, default_control_points, load_texture, obj, svg,
+    CadModel, Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene,
+    Shading, Surface, Tessellation, bpt, default_control_points, load_texture, obj, svg,
 };
 use crate::bezier::Degree;
 use crate::camera::{Camera, Lens};
@@ -56,11 +56,14 @@ impl Scene {
         }
         writer.settings(&self.settings);
         writer.line("up", if self.up == DVec3::Z { "\"z\"" } else { "\"y\"" });
-        for surface in &self.surfaces {
+        for surface in self.surfaces.iter().filter(|surface| surface.face.is_none()) {
             writer.surface(surface)?;
         }
         for mesh in &self.meshes {
             writer.mesh(mesh)?;
+        }
+        for model in &self.models {
+            writer.model(model);
         }
         Ok(writer.out)
     }
@@ -263,6 +266,16 @@ impl Writer<'_> {
         self.style(&model.paint, model.shading, &model.transform)
     }
 
+    fn model(&mut self, model: &CadModel) {
+        self.header("[[model]]");
+        let name = self.name(&model.file);
+        self.line("file", name);
+        if let Some(rgb) = model.color {
+            self.line("color", format_args!("{rgb:?}"));
+        }
+        self.placement(&model.transform);
+    }
+
     fn style(&mut self, paint: &Paint, shading: Shading, matrix: &DMat4) -> Result<()> {
         match paint {
             Paint::Color(rgb) => self.line("color", format_args!("{rgb:?}")),
@@ -276,6 +289,11 @@ impl Writer<'_> {
             Shading::Unlit => self.line("shading", "\"texture\""),
             Shading::Normals => self.line("shading", "\"normals\""),
         }
+        self.placement(matrix);
+        Ok(())
+    }
+
+    fn placement(&mut self, matrix: &DMat4) {
         let bits = |matrix: &DMat4| matrix.to_cols_array().map(f64::to_bits);
         let translate = matrix.w_axis.truncate();
         let moved = transform(Some(translate.into()), None, None);
@@ -287,7 +305,6 @@ impl Writer<'_> {
             let rows = [0, 1, 2].map(|row| numbers(&matrix.row(row).to_array()));
             self.line("matrix", format_args!("[{}]", rows.join(", ")));
         }
-        Ok(())
     }
 
     /// The name of a file with this picture.

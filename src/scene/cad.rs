@@ -1,0 +1,105 @@
+//! CAD models in a scene: each face, in each place of its product, is a surface.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::DMat4;
+
+use super::file::{check_is_file, extension, unreadable};
+use super::{LoadOptions, Paint, Surface};
+use crate::error::Result;
+use crate::model::{Instance, Model};
+
+/// A CAD model in a scene. Its faces are surfaces of the scene, which name the model by its number.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CadModel {
+    /// The file that it was read from.
+    pub file: PathBuf,
+    /// The model.
+    pub model: Arc<Model>,
+    /// Model space to world space.
+    pub transform: DMat4,
+    /// The colour of all its faces, instead of their own.
+    pub color: Option<[f32; 3]>,
+    /// The numbers of the faces that are left out, and why.
+    pub left_out: Vec<(usize, String)>,
+}
+
+/// The face of a CAD model that a surface is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FaceOfModel {
+    /// The number of the model in the scene.
+    pub model: usize,
+    /// The number of the face in the model.
+    pub face: usize,
+    /// The number of the face among the faces of all places of the model's products, [`Model::instances`].
+    pub instance: usize,
+}
+
+/// The extension of the project's own format.
+const EXTENSION: &str = "ffm";
+/// The colour of faces that have none.
+const UNPAINTED: [f32; 3] = [0.7, 0.72, 0.75];
+
+impl CadModel {
+    /// Whether a file's extension is that of a CAD model.
+    #[must_use]
+    pub fn is_file_of_one(path: &Path) -> bool {
+        extension(path) == EXTENSION
+    }
+
+    /// A model with number `number` in its scene, and its surfaces. Faces that cannot be drawn are left out.
+    ///
+    /// # Errors
+    /// A file that cannot be read, a model without any face that can be drawn.
+    pub(super) fn load(
+        path: &Path,
+        number: usize,
+        transform: DMat4,
+        color: Option<[f32; 3]>,
+        options: &LoadOptions,
+    ) -> Result<(Self, Vec<Surface>)> {
+        let model = read(path, options)?;
+        let faces: Vec<_> = model
+            .drawn_faces()
+            .into_iter()
+            .map(|face| face.map(|face| (Surface::from_nurbs(face.surface), face.trims)))
+            .collect();
+        let left_out =
+            |(number, face): (usize, &Result<_>)| Some((number, face.as_ref().err()?.to_string()));
+        let left_out: Vec<_> = faces.iter().enumerate().filter_map(left_out).collect();
+        for (face, reason) in &left_out {
+            log::warn!("{}: face {face} is left out: {reason}", path.display());
+        }
+        let mut surfaces = Vec::new();
+        for (instance, Instance { face, placement, color: own }) in
+            model.instances()?.into_iter().enumerate()
+        {
+            let Ok((surface, trims)) = &faces[face] else { continue };
+            let mut surface = surface.clone();
+            surface.trims = trims.clone();
+            surface.transform = transform * DMat4::from(placement);
+            surface.paint = Paint::Color(color.or(own).unwrap_or(UNPAINTED));
+            surface.face = Some(FaceOfModel { model: number, face, instance });
+            surfaces.push(surface);
+        }
+        if surfaces.is_empty() {
+            let reason = left_out.first().map_or("it has no face".into(), |(face, reason)| {
+                format!("none of its faces can be drawn; face {face}: {reason}")
+            });
+            return Err(unreadable(path, reason));
+        }
+        let model =
+            Self { file: path.to_owned(), model: Arc::new(model), transform, color, left_out };
+        Ok((model, surfaces))
+    }
+}
+
+/// Reads a model from a file of any of the formats.
+fn read(path: &Path, _options: &LoadOptions) -> Result<Model> {
+    check_is_file(path)?;
+    let file = File::open(path).map_err(|error| unreadable(path, error))?;
+    Model::read(BufReader::new(file), path)
+}
