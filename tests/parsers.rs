@@ -8,6 +8,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use freeform_surface::inspect::TrimGrid;
+use freeform_surface::model::Model;
 use freeform_surface::{CreaseAngle, Degree, LoadOptions, Mesh, Scene, TrimLoop, Trims};
 use glam::vec2;
 use proptest::prelude::*;
@@ -103,6 +104,130 @@ const FREE_FORM: &str = "v 0 0 0 1\nv 1 0 0 0.5\nv 0 1 0\nv 1 1 1 2\nvp 0.2 0.2\
     cstype rat bspline\ndeg 2\ncurv2 1 2 3 1\nparm u 0 0 0 1 2 2 2\nend\ncstype bezier\ndeg 1 1\ncurv2 -3 -2 -1 -3\n\
     parm u 0 1 2 3\nend\nsurf 0 2 0 1 1 2 3 4\nparm u 0 2\ntrim 0.5 1.5 1 0 1 2\nhole 3 0 2\nend\n\
     cstype rat bspline\nsurf 0 1 0 1 -4 -3/1 -2//1 -1\nparm u 0 0 1 1\nparm v 0 0 1 1\ntrim 0 2 1\nend\n";
+
+/// A model with every kind of record.
+const MODEL: &[u8] = include_bytes!("harness/every_record.ffm");
+
+/// Reads a model from bytes, within the memory that any file may take.
+fn parse_model(bytes: &[u8]) {
+    let mut result = None;
+    let memory = most_memory(|| result = Some(Model::read(bytes, Path::new("x.ffm"))));
+    match result.expect("it was read") {
+        Ok(model) => {
+            model.check().unwrap();
+            let mut text = Vec::new();
+            model.write(&mut text).unwrap();
+            assert_eq!(Model::read(text.as_slice(), Path::new("x.ffm")).unwrap(), model);
+            drop(model.instances());
+        }
+        Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
+    }
+    // A message takes room, however short the file is.
+    let limit = 20 * bytes.len() + 1024;
+    assert!(memory <= limit, "{memory} bytes for a file of {}", bytes.len());
+}
+
+/// The number of mutated models: 100,000 in the long tests.
+fn model_cases() -> u32 {
+    if std::env::var_os("FREEFORM_TEST_LONG").is_some() { 100_000 } else { 1_000 }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        failure_persistence: None, cases: model_cases(), ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn a_model_with_pieces_replaced_gets_an_answer(
+        pieces in prop::collection::vec(
+            (
+                0..MODEL.len(), 0usize..40,
+                prop_oneof![
+                    "[-+.0-9a-z \"\\\\#\n]{0,12}".prop_map(String::into_bytes),
+                    prop::sample::select(vec![
+                        "1e999", "-0", "99999999999999999999", "18446744073709551615", "nan", "end", "edge", "face",
+                        "product", "use 0", "loop", "nurbs", "pcurve", "knots 9999999999", "points 65536 65536",
+                    ]).prop_map(|word| word.as_bytes().to_vec()),
+                    prop::collection::vec(any::<u8>(), 0..12),
+                    // Another piece of the file.
+                    (0..MODEL.len(), 0usize..200)
+                        .prop_map(|(start, length)| MODEL[start..(start + length).min(MODEL.len())].to_vec()),
+                ],
+            ),
+            1..4,
+        )
+    ) {
+        let _turn = TURN.lock();
+        let mut bytes = MODEL.to_vec();
+        for (start, length, piece) in pieces {
+            let start = start.min(bytes.len());
+            bytes.splice(start..(start + length).min(bytes.len()), piece);
+        }
+        parse_model(&bytes);
+    }
+}
+
+#[test]
+fn a_model_cut_off_anywhere_gets_an_answer() {
+    let _turn = TURN.lock();
+    (0..MODEL.len()).for_each(|length| parse_model(&MODEL[..length]));
+}
+
+/// The records that take the most memory for their text.
+#[test]
+fn a_model_takes_at_most_20_times_its_file() {
+    const MIB: usize = 1 << 20;
+    let _turn = TURN.lock();
+    let filled = |piece: &str| piece.repeat(MIB / piece.len());
+    let plane = "plane origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1 ";
+    let face = format!("face tolerance 0 forward bounds 0 1 0 1 {plane}");
+    let nurbs = "face tolerance 0 forward bounds 0 1 0 1 nurbs ";
+    let pcurve = "+ 0 pcurve degree 1 knots 4 0 0 1 1 points 2 0 0 1 0 0 1 ";
+    let turned = "use 0 columns 1 0 0 0 1 0 0 0 1 0 0 0 ";
+    for (name, text) in [
+        ("points", filled("edge tolerance 0 point ")),
+        ("lines", filled("edge tolerance 0 range 0 1 line 0 0 0 1 0 0 ")),
+        ("faces", filled(&face)),
+        (
+            "edges of a loop",
+            format!("edge tolerance 0 point {face} loop {} {}", MIB / 4, filled("+ 0 ")),
+        ),
+        (
+            "edges announced",
+            format!("edge tolerance 0 point {face} loop {} {}", u64::MAX, filled("+ 0 ")),
+        ),
+        ("loops", format!("edge tolerance 0 point {face}{}", filled("loop 1 + 0 "))),
+        (
+            "curves in parameters",
+            format!("edge tolerance 0 point {face} loop {MIB} {}", filled(pcurve)),
+        ),
+        ("knots", format!("{nurbs} degree 1 1 knots {} {}", MIB / 2, filled("0 "))),
+        ("knots announced", format!("{nurbs} degree 1 1 knots {} {}", u64::MAX, filled("0 "))),
+        (
+            "control points",
+            format!(
+                "{nurbs} degree 1 1 knots 4 0 0 1 1 knots {} {} points 2 {} {}",
+                MIB / 18 + 2,
+                // The knots rise only in the middle, which is enough.
+                "0 ".repeat(MIB / 36) + &"1 ".repeat(MIB / 18 + 2 - MIB / 36),
+                MIB / 18,
+                "0 0 0 1 ".repeat(MIB / 9),
+            ),
+        ),
+        ("products", filled("product faces 0 0 ")),
+        ("uses", format!("product faces 0 0 product faces 0 0 {}", filled(turned))),
+        ("names", filled("product name \"\" faces 0 0 ")),
+        ("white space", filled(" ")),
+        ("a comment", format!("#{}", filled("x"))),
+        ("a word", filled("x")),
+        ("a text", format!("name \"{}", filled("x"))),
+    ] {
+        let text = format!("freeform-model 1 {text}");
+        let memory = most_memory(|| drop(Model::from_text(&text, Path::new("x.ffm"))));
+        println!("{name}: {:.1} times the file", memory as f64 / text.len() as f64);
+        assert!(memory <= 20 * text.len(), "{name}: {memory} bytes for {}", text.len());
+    }
+}
 
 #[test]
 fn an_error_of_a_file_holds_the_error_of_the_system() {
