@@ -13,10 +13,8 @@
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <IGESCAFControl_Reader.hxx>
-#include <IGESData_IGESEntity.hxx>
-#include <IGESData_IGESModel.hxx>
-#include <Interface_Protocol.hxx>
-#include <Interface_ShareFlags.hxx>
+#include <Interface_Check.hxx>
+#include <Interface_CheckIterator.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
@@ -27,6 +25,8 @@
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
@@ -48,6 +48,13 @@ static const char USAGE[] =
     "Writes a .step, .stp, .p21, .iges, .igs, .brep or .brp file as a model (docs/model-format.md);\n"
     "with --area, the area of each face and their sum instead.\n";
 
+/// A message of OCCT without the asterisks and line ends around it.
+static std::string one_line(std::string message) {
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    const size_t first = message.find_first_not_of(" *"), last = message.find_last_not_of(" *");
+    return first == std::string::npos ? "" : message.substr(first, last + 1 - first);
+}
+
 /// Keeps the first error message of the readers, for ours.
 class FirstError : public Message_Printer {
     DEFINE_STANDARD_RTTI_INLINE(FirstError, Message_Printer)
@@ -59,8 +66,7 @@ protected:
     void send(const TCollection_AsciiString& message, const Message_Gravity gravity) const override {
         if (gravity < Message_Fail || !text.empty()) return;
         auto& first = const_cast<FirstError*>(this)->text;
-        first = message.ToCString();
-        std::replace(first.begin(), first.end(), '\n', ' ');
+        first = one_line(message.ToCString());
     }
 };
 
@@ -77,6 +83,14 @@ protected:
 private:
     int percent = 0;
 };
+
+/// The column of the letter of a line's section in an IGES file; T is the last section.
+static const size_t IGES_SECTION = 72;
+
+static const char NO_SHAPES[] = "it has no shapes that OCCT can read";
+
+static const char FAULTY[] = " entities of the file are not as they should be; the first: ";
+static const char UNREAD[] = " entities of the file were not read; the first: ";
 
 enum class Kind { Step, Iges, Brep };
 
@@ -96,6 +110,27 @@ static void check_readable(const std::string& path) {
     if (file.get() == std::ifstream::traits_type::eof()) throw std::runtime_error("it is empty");
 }
 
+/// Says how many entities of the file have faults, and the first fault.
+static void log_faults(const Interface_CheckIterator& checks, const char* what) {
+    int count = 0;
+    std::string first;
+    for (checks.Start(); checks.More(); checks.Next()) {
+        if (!checks.Value()->HasFailed()) continue;
+        if (count++ == 0) first = one_line(checks.Value()->CFail(1));
+    }
+    if (count > 0) log("warning: " + std::to_string(count) + what + first);
+}
+
+/// Refuses an IGES file whose last section is missing.
+static void check_is_complete(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string line, last;
+    while (std::getline(file, line)) {
+        if (line.find_first_not_of(" \r") != std::string::npos) last.swap(line);
+    }
+    if (last.size() <= IGES_SECTION || last[IGES_SECTION] != 'T') throw std::runtime_error("it is no complete IGES file");
+}
+
 static void check_status(IFSelect_ReturnStatus status, const char* kind) {
     if (status != IFSelect_RetDone) throw std::runtime_error(std::string("it is no complete ") + kind + " file");
 }
@@ -109,19 +144,6 @@ static bool has_instances(const TopoDS_Shape& shape) {
     return parts.Extent() < solids.Extent();
 }
 
-/// Makes entities that nothing refers to independent if none is: else there is nothing to begin with.
-static void free_entities(const Handle(IGESData_IGESModel)& model) {
-    for (int index = 1; index <= model->NbEntities(); ++index) {
-        if (model->Entity(index)->SubordinateStatus() == 0) return;
-    }
-    const Interface_ShareFlags flags(model, model->Protocol());
-    for (int index = 1; index <= model->NbEntities(); ++index) {
-        const Handle(IGESData_IGESEntity) entity = model->Entity(index);
-        if (flags.IsShared(entity)) continue;
-        entity->InitStatus(entity->BlankStatus(), 0, entity->UseFlag(), entity->HierarchyStatus());
-    }
-}
-
 static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
     Handle(TDocStd_Document) document = to;
     const Handle(Progress) progress = new Progress;
@@ -133,10 +155,13 @@ static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
         reader.SetLayerMode(false);
         reader.SetPropsMode(false);
         check_status(reader.ReadFile(path.c_str()), "STEP");
-        if (!reader.Transfer(document, progress->Start())) throw std::runtime_error("it has no shapes");
+        log_faults(reader.Reader().WS()->ModelCheckList(), FAULTY);
+        if (!reader.Transfer(document, progress->Start())) throw std::runtime_error(NO_SHAPES);
+        log_faults(reader.Reader().WS()->TransferReader()->LastCheckList(), UNREAD);
         break;
     }
     case Kind::Iges: {
+        check_is_complete(path);
         IGESCAFControl_Reader reader;
         // B-splines as they are in the file.
         Interface_Static::SetIVal("read.iges.bspline.continuity", 0);
@@ -144,8 +169,9 @@ static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
         reader.SetNameMode(true);
         reader.SetLayerMode(false);
         check_status(reader.ReadFile(path.c_str()), "IGES");
-        free_entities(reader.IGESModel());
-        if (!reader.Transfer(document, progress->Start())) throw std::runtime_error("it has no shapes");
+        log_faults(reader.WS()->ModelCheckList(), FAULTY);
+        if (!reader.Transfer(document, progress->Start())) throw std::runtime_error(NO_SHAPES);
+        log_faults(reader.WS()->TransferReader()->LastCheckList(), UNREAD);
         break;
     }
     case Kind::Brep: {

@@ -65,17 +65,21 @@ static void write_knots(Text& text, const TColStd_Array1OfReal& knots, double sh
     for (const double knot : knots) text << knot + shift;
 }
 
-/// Opens a periodic curve. Where the range crosses its seam, the curve is cut at the range's beginning.
-static void open(const Handle(Geom_BSplineCurve)& curve, Range range) {
+/// Opens a periodic curve. Where the range crosses its seam, the curve is cut at the range's beginning. Returns what must
+/// be added to the curve's parameters: some periods.
+static double open(const Handle(Geom_BSplineCurve)& curve, Range range) {
     const Range domain{curve->FirstParameter(), curve->LastParameter()};
+    double shift = 0.0;
     if (crosses(range, domain)) {
         const double cut = within(range.first, domain);
         curve->InsertKnot(cut, 1, ROUNDING * domain.length(), false);
         int index = curve->FirstUKnotIndex();
         while (curve->Knot(index) < cut - ROUNDING * domain.length()) ++index;
         curve->SetOrigin(index);
+        shift = range.first - cut;
     }
     curve->SetNotPeriodic();
+    return shift;
 }
 
 static Handle(Geom_BSplineCurve) approximated(const Handle(Geom_Curve)& curve, Range range, Approximation& to) {
@@ -87,8 +91,9 @@ static Handle(Geom_BSplineCurve) approximated(const Handle(Geom_Curve)& curve, R
     return result.Curve();
 }
 
-/// The curve as a B-spline curve that is not periodic.
-static Handle(Geom_BSplineCurve) to_bspline(const Handle(Geom_Curve)& curve, Range range, Approximation& to) {
+/// The curve as a B-spline curve that is not periodic. The shift must be added to its parameters.
+static Handle(Geom_BSplineCurve) to_bspline(const Handle(Geom_Curve)& curve, Range range, Approximation& to,
+                                            double& shift) {
     Handle(Geom_BSplineCurve) result = Handle(Geom_BSplineCurve)::DownCast(curve->Copy());
     if (result.IsNull()) {
         if (curve->IsKind(STANDARD_TYPE(Geom_BezierCurve))) {
@@ -97,8 +102,13 @@ static Handle(Geom_BSplineCurve) to_bspline(const Handle(Geom_Curve)& curve, Ran
             result = GeomConvert::CurveToBSplineCurve(new Geom_TrimmedCurve(curve, range.first, range.last));
         }
     }
-    if (result.IsNull() || result->Degree() > MAX_DEGREE) result = approximated(curve, range, to);
-    if (result->IsPeriodic()) open(result, range);
+    if (result.IsNull() || result->Degree() > MAX_DEGREE) {
+        result = approximated(curve, range, to);
+        // A part of a periodic curve begins within its first period.
+        shift = curve->IsPeriodic() ? range.first - result->FirstParameter() : 0.0;
+    } else if (result->IsPeriodic()) {
+        shift = open(result, range);
+    }
     return result;
 }
 
@@ -118,15 +128,13 @@ void write_curve(Text& text, const Handle(Geom_Curve)& curve, Range range, Appro
         text << "range" << range.first << range.last << "ellipse" << gp_Ax3(ellipse->Position())
              << ellipse->MajorRadius() << ellipse->MinorRadius();
     } else {
-        const Handle(Geom_BSplineCurve) bspline = to_bspline(curve, range, approximation);
-        Range domain{bspline->FirstParameter(), bspline->LastParameter()};
-        // A periodic curve may have been cut one or more periods away from the range.
         double shift = 0.0;
-        if (range.first >= domain.last || range.last <= domain.first || crosses(range, domain)) {
-            shift = range.first - domain.first;
-        }
-        const Range part = clamp(range, {domain.first + shift, domain.last + shift});
+        const Handle(Geom_BSplineCurve) bspline = to_bspline(curve, range, approximation, shift);
+        const Range part = clamp(range, {bspline->FirstParameter() + shift, bspline->LastParameter() + shift});
         if (!(part.first < part.last)) throw std::runtime_error("a curve without length");
+        if (part.length() < (1.0 - ROUNDING) * range.length()) {
+            approximation.notes.push_back("its B-spline curve ends before it");
+        }
         text << "range" << part.first << part.last << "nurbs" << "degree" << bspline->Degree();
         write_knots(text, bspline->KnotSequence(), shift);
         text << "points" << bspline->NbPoles();
@@ -144,10 +152,27 @@ static Range part_of(const Handle(Geom_Curve)& curve, Range bounds) {
     return has_ends ? Range{curve->FirstParameter(), curve->LastParameter()} : bounds;
 }
 
+/// A B-spline surface, and what must be added to its parameters: periods, or nothing.
+struct Spline {
+    Handle(Geom_BSplineSurface) surface;
+    double shift_u;
+    double shift_v;
+
+    Range u() const { return {domain(0) + shift_u, domain(1) + shift_u}; }
+    Range v() const { return {domain(2) + shift_v, domain(3) + shift_v}; }
+
+private:
+    double domain(int index) const {
+        double bounds[4];
+        surface->Bounds(bounds[0], bounds[1], bounds[2], bounds[3]);
+        return bounds[index];
+    }
+};
+
 /// Opens a periodic surface. Where the bounds cross its seam, the surface is cut at the bounds' beginning.
-static void open(const Handle(Geom_BSplineSurface)& surface, Range u, Range v) {
-    Range domain_u{0.0, 0.0}, domain_v{0.0, 0.0};
-    surface->Bounds(domain_u.first, domain_u.last, domain_v.first, domain_v.last);
+static void open(Spline& spline, Range u, Range v) {
+    const Handle(Geom_BSplineSurface)& surface = spline.surface;
+    const Range domain_u = spline.u(), domain_v = spline.v();
     if (surface->IsUPeriodic()) {
         if (crosses(u, domain_u)) {
             const double cut = within(u.first, domain_u), rounding = ROUNDING * domain_u.length();
@@ -155,6 +180,7 @@ static void open(const Handle(Geom_BSplineSurface)& surface, Range u, Range v) {
             int index = surface->FirstUKnotIndex();
             while (surface->UKnot(index) < cut - rounding) ++index;
             surface->SetUOrigin(index);
+            spline.shift_u = u.first - cut;
         }
         surface->SetUNotPeriodic();
     }
@@ -165,6 +191,7 @@ static void open(const Handle(Geom_BSplineSurface)& surface, Range u, Range v) {
             int index = surface->FirstVKnotIndex();
             while (surface->VKnot(index) < cut - rounding) ++index;
             surface->SetVOrigin(index);
+            spline.shift_v = v.first - cut;
         }
         surface->SetVNotPeriodic();
     }
@@ -183,33 +210,29 @@ static Handle(Geom_BSplineSurface) approximated(const Handle(Geom_Surface)& surf
 }
 
 /// The surface as a B-spline surface that is not periodic.
-static Handle(Geom_BSplineSurface) to_bspline(const Handle(Geom_Surface)& surface, Range u, Range v,
-                                              Approximation& to) {
-    Handle(Geom_BSplineSurface) result = Handle(Geom_BSplineSurface)::DownCast(surface->Copy());
-    if (result.IsNull() && surface->IsKind(STANDARD_TYPE(Geom_BezierSurface))) {
-        result = GeomConvert::SurfaceToBSplineSurface(surface);
+static Spline to_bspline(const Handle(Geom_Surface)& surface, Range u, Range v, Approximation& to) {
+    Spline result{Handle(Geom_BSplineSurface)::DownCast(surface->Copy()), 0.0, 0.0};
+    if (result.surface.IsNull() && surface->IsKind(STANDARD_TYPE(Geom_BezierSurface))) {
+        result.surface = GeomConvert::SurfaceToBSplineSurface(surface);
     }
-    if (result.IsNull() || std::max(result->UDegree(), result->VDegree()) > MAX_DEGREE) {
-        result = approximated(surface, u, v, to);
+    if (result.surface.IsNull() || std::max(result.surface->UDegree(), result.surface->VDegree()) > MAX_DEGREE) {
+        result.surface = approximated(surface, u, v, to);
+        // A part of a periodic surface begins within its first period.
+        if (surface->IsUPeriodic()) result.shift_u = u.first - result.u().first;
+        if (surface->IsVPeriodic()) result.shift_v = v.first - result.v().first;
+    } else {
+        open(result, u, v);
     }
-    open(result, u, v);
     return result;
 }
 
-static void write_bspline(Text& text, const Handle(Geom_BSplineSurface)& surface, Range& u, Range& v) {
-    Range domain_u{0.0, 0.0}, domain_v{0.0, 0.0};
-    surface->Bounds(domain_u.first, domain_u.last, domain_v.first, domain_v.last);
-    // A periodic surface may have been cut one or more periods away from the bounds.
-    const auto shift_of = [](Range bounds, Range domain) {
-        const bool away = bounds.first >= domain.last || bounds.last <= domain.first || crosses(bounds, domain);
-        return away ? bounds.first - domain.first : 0.0;
-    };
-    const double shift_u = shift_of(u, domain_u), shift_v = shift_of(v, domain_v);
-    u = clamp(u, {domain_u.first + shift_u, domain_u.last + shift_u});
-    v = clamp(v, {domain_v.first + shift_v, domain_v.last + shift_v});
+static void write_bspline(Text& text, const Spline& spline, Range& u, Range& v) {
+    u = clamp(u, spline.u());
+    v = clamp(v, spline.v());
+    const Handle(Geom_BSplineSurface)& surface = spline.surface;
     text << "nurbs" << "degree" << surface->UDegree() << surface->VDegree();
-    write_knots(text, surface->UKnotSequence(), shift_u);
-    write_knots(text, surface->VKnotSequence(), shift_v);
+    write_knots(text, surface->UKnotSequence(), spline.shift_u);
+    write_knots(text, surface->VKnotSequence(), spline.shift_v);
     text << "points" << surface->NbUPoles() << surface->NbVPoles();
     for (int row = 1; row <= surface->NbVPoles(); ++row) {
         for (int column = 1; column <= surface->NbUPoles(); ++column) {

@@ -69,7 +69,7 @@ ModelWriter::ModelWriter(const Handle(TDocStd_Document)& document, Content conte
 void ModelWriter::write() {
     TDF_LabelSequence free;
     shapes->GetFreeShapes(free);
-    if (free.IsEmpty()) throw std::runtime_error("it has no shapes");
+    if (free.IsEmpty()) throw std::runtime_error("it has no shapes that OCCT can read");
     const bool has_root = free.Length() == 1 && !XCAFDoc_ShapeTool::IsReference(free.First());
     const std::string name = has_root ? name_of(free.First()) : "";
     double unit = MILLIMETRE;
