@@ -2,9 +2,11 @@
 # Installs what the program needs to draw without a GPU: Mesa's EGL driver. With `tests` it also
 # installs a C compiler, OSMesa, and a display without a screen with its keys and mouse (Xvfb, xdotool and
 # the X libraries of a window), which the tests need, and with `check` also libGLU and Chromium, by which
-# the report is checked. Debian and Ubuntu; elsewhere it says what to install. Does nothing where everything
-# is there.
+# the report is checked. With `cad` it also installs OCCT and a C++ compiler, and builds the reader of STEP,
+# IGES and BREP files (cad/build.sh). Debian and Ubuntu; elsewhere it says what to install. Does nothing where
+# everything is there.
 set -eu
+mode="${1:-}"
 
 has_library() {
     /sbin/ldconfig -p 2>/dev/null | grep -q "$1"
@@ -15,6 +17,16 @@ any_file() {
         [ -e "$file" ] && return 0
     done
     return 1
+}
+
+# Builds what was asked for, once everything is installed.
+finish() {
+    [ "$mode" = cad ] || exit 0
+    sh "$(dirname "$0")/cad/build.sh"
+    # Beside the program, where `cargo install` puts it.
+    bin="${CARGO_HOME:-${HOME:-}/.cargo}/bin"
+    [ ! -d "$bin" ] || cp "$(dirname "$0")/cad/build/freeform-occt" "$bin/"
+    exit 0
 }
 
 missing=""
@@ -30,11 +42,11 @@ any_file /usr/lib/*/dri/swrast_dri.so /usr/lib/*/dri/libdril_dri.so /usr/lib/*/l
     /usr/lib64/dri/swrast_dri.so || need libgl1-mesa-dri
 command -v cc >/dev/null 2>&1 || need gcc
 any_file /usr/lib/*/crt1.o /usr/lib64/crt1.o /usr/lib/crt1.o || need libc6-dev
-if [ "${1:-}" = check ]; then
+if [ "$mode" = check ]; then
     has_library libGLU.so.1 || need libglu1-mesa
     command -v chromium >/dev/null 2>&1 || command -v google-chrome >/dev/null 2>&1 || need chromium
 fi
-if [ "${1:-}" = tests ] || [ "${1:-}" = check ]; then
+if [ "$mode" = tests ] || [ "$mode" = check ]; then
     has_library libOSMesa.so || osmesa=libosmesa6
     for program in Xvfb:xvfb xdotool:xdotool; do
         command -v "${program%:*}" >/dev/null 2>&1 || need "${program#*:}"
@@ -44,7 +56,14 @@ if [ "${1:-}" = tests ] || [ "${1:-}" = check ]; then
         has_library "${library%:*}" || need "${library#*:}"
     done
 fi
-[ -n "$missing$osmesa" ] || exit 0
+if [ "$mode" = cad ]; then
+    command -v "${CXX:-c++}" >/dev/null 2>&1 || need g++
+    any_file /usr/include/opencascade/STEPCAFControl_Reader.hxx \
+        /usr/local/include/opencascade/STEPCAFControl_Reader.hxx || need libocct-data-exchange-dev
+    any_file /usr/include/opencascade/TDocStd_Document.hxx \
+        /usr/local/include/opencascade/TDocStd_Document.hxx || need libocct-ocaf-dev
+fi
+[ -n "$missing$osmesa" ] || finish
 
 if ! command -v apt-get >/dev/null 2>&1; then
     # OSMesa is a second way to test, which newer distributions have dropped.
@@ -74,3 +93,4 @@ fi
 if [ -n "$osmesa" ] && ! $sudo $install $osmesa >/dev/null; then
     echo "setup.sh: no package $osmesa here; the tests leave it out" >&2
 fi
+finish

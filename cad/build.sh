@@ -3,6 +3,9 @@
 set -eu
 cd "$(dirname "$0")"
 
+program=build/freeform-occt
+[ -x $program ] && [ -z "$(find . -maxdepth 1 -type f -newer $program)" ] && exit 0
+
 for include in /usr/include/opencascade /usr/local/include/opencascade; do
     [ -e "$include/Standard_Version.hxx" ] && break
 done
@@ -16,7 +19,7 @@ version=$(sed -n 's/^#define OCC_VERSION_\(MAJOR\|MINOR\) *//p' "$include/Standa
 # shellcheck disable=SC2086 # two numbers
 set -- $version
 if [ "$1" -gt 7 ] || [ "$2" -ge 8 ]; then
-    readers="-lTKDESTEP -lTKDEIGES -lTKDE"
+    readers="-lTKDESTEP -lTKDEIGES"
 else
     readers="-lTKXDESTEP -lTKXDEIGES -lTKSTEP -lTKIGES"
 fi
@@ -25,6 +28,6 @@ mkdir -p build
 # Under another name until it is complete.
 # shellcheck disable=SC2086 # several words
 ${CXX:-c++} -std=c++17 -O2 -Wall -Wextra -Werror -isystem "$include" ./*.cpp -o build/unfinished \
-    $readers -lTKXSBase -lTKXCAF -lTKLCAF -lTKCDF -lTKShHealing -lTKTopAlgo -lTKGeomAlgo \
+    $readers -lTKXSBase -lTKXCAF -lTKLCAF -lTKCDF -lTKTopAlgo \
     -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
-mv build/unfinished build/freeform-occt
+mv build/unfinished $program
