@@ -1,6 +1,7 @@
 //! The command line: its arguments, and the functions that carry them out.
 
 mod check;
+mod convert;
 mod exr;
 mod info;
 mod measure;
@@ -45,6 +46,8 @@ enum Command {
     /// Measure how far pictures of scenes are from their Bézier surfaces, pixel by pixel; meshes are
     /// left out.
     Measure(MeasureArguments),
+    /// Write a CAD model (STEP, IGES, BREP) as a model of the project's own format, which needs no CAD program.
+    Convert(ConvertArguments),
     /// Smooth a triangle mesh: every step cuts each triangle into nine.
     Smooth(SmoothArguments),
     /// Measure speed against error of both methods on this machine, and write a page about it.
@@ -228,6 +231,20 @@ struct ReportArguments {
 }
 
 #[derive(Debug, Args)]
+struct ConvertArguments {
+    /// The model: .step, .iges, .brep or .ffm.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+
+    #[command(flatten)]
+    load: LoadArguments,
+
+    /// The file to write; "-" for standard output.
+    #[arg(short, long, value_name = "OUT.ffm")]
+    output: PathBuf,
+}
+
+#[derive(Debug, Args)]
 struct SmoothArguments {
     /// The mesh, a Wavefront OBJ file.
     #[arg(value_name = "IN.obj")]
@@ -367,6 +384,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
             render::all(arguments, &outputs)
         }
         Some(Command::Measure(arguments)) => measure::all(arguments),
+        Some(Command::Convert(arguments)) => convert::run(arguments).map_err(|error| vec![error]),
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
         Some(Command::Report(arguments)) => report::run(arguments).map_err(|error| vec![error]),
         Some(Command::View(arguments)) => view::run(arguments).map_err(|error| vec![error]),

@@ -9,20 +9,20 @@ mod curve;
 mod drawn;
 mod evaluate;
 mod fit;
+mod import;
 mod instances;
 mod projection;
 mod read;
 mod sheet;
 mod write;
-mod import;
 
 use glam::{DAffine3, DVec2, DVec3};
 
 use crate::bezier::NurbsSurface;
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
 pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
-pub use instances::Instance;
 pub use import::{ImportOptions, import, is_cad_file};
+pub use instances::Instance;
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.
 #[derive(Debug, Clone, PartialEq)]

@@ -41,7 +41,7 @@ pub use write::SceneText;
 pub type Image = image::RgbaImage;
 
 /// Options of the caller that override those of the scene's file.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct LoadOptions {
     /// The angle beyond which an edge is a crease, for computing normals that meshes lack.
     pub crease: Option<CreaseAngle>,
@@ -49,12 +49,14 @@ pub struct LoadOptions {
     pub up: Option<UpAxis>,
     /// How long the reader of STEP, IGES and BREP files may take.
     pub import_limit: Duration,
+    /// Is called while such a file is read, with a share from 0 to 1.
+    pub progress: Option<fn(f64)>,
 }
 
 impl Default for LoadOptions {
     /// Nothing is overridden; two minutes for the reader of CAD files.
     fn default() -> Self {
-        Self { crease: None, up: None, import_limit: Duration::from_secs(120) }
+        Self { crease: None, up: None, import_limit: Duration::from_secs(120), progress: None }
     }
 }
 

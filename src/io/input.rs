@@ -43,16 +43,22 @@ pub(crate) fn crease_angle(text: &str) -> Result<CreaseAngle, String> {
 }
 
 impl LoadArguments {
+    /// The same for the library.
+    pub(crate) fn options(self) -> LoadOptions {
+        LoadOptions {
+            crease: self.crease_degrees,
+            up: self.up,
+            import_limit: Duration::from_secs(self.import_timeout),
+            progress: None,
+        }
+    }
+
     /// Reads the scene of a file, or of standard input.
     ///
     /// # Errors
     /// As [`Scene::load`].
     pub(crate) fn load(self, path: &Path) -> Result<Scene> {
-        let options = LoadOptions {
-            crease: self.crease_degrees,
-            up: self.up,
-            import_limit: Duration::from_secs(self.import_timeout),
-        };
+        let options = self.options();
         if !is_standard(path) {
             return Ok(Scene::load_with(path, &options)?);
         }

@@ -10,7 +10,7 @@ use glam::DMat4;
 use super::file::{check_is_file, extension, unreadable};
 use super::{LoadOptions, Paint, Surface};
 use crate::error::Result;
-use crate::model::{Instance, Model};
+use crate::model::{ImportOptions, Instance, Model, import, is_cad_file};
 
 /// A CAD model in a scene. Its faces are surfaces of the scene, which name the model by its number.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,11 +43,29 @@ const EXTENSION: &str = "ffm";
 /// The colour of faces that have none.
 const UNPAINTED: [f32; 3] = [0.7, 0.72, 0.75];
 
+impl Model {
+    /// Reads a model of the project's own format (`.ffm`), or by a program of its own a STEP, IGES or BREP file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no model; as [`import`].
+    pub fn load(path: &Path, options: &LoadOptions) -> Result<Self> {
+        check_is_file(path)?;
+        if is_cad_file(path) {
+            let LoadOptions { import_limit: limit, progress, .. } = *options;
+            let import_options = ImportOptions { limit, ..ImportOptions::default() };
+            let note = |share| progress.into_iter().for_each(|note| note(share));
+            return Self::from_text(&import(path, &import_options, note)?, path);
+        }
+        let file = File::open(path).map_err(|error| unreadable(path, error))?;
+        Self::read(BufReader::new(file), path)
+    }
+}
+
 impl CadModel {
     /// Whether a file's extension is that of a CAD model.
     #[must_use]
     pub fn is_file_of_one(path: &Path) -> bool {
-        extension(path) == EXTENSION
+        extension(path) == EXTENSION || is_cad_file(path)
     }
 
     /// A model with number `number` in its scene, and its surfaces. Faces that cannot be drawn are left out.
@@ -61,7 +79,7 @@ impl CadModel {
         color: Option<[f32; 3]>,
         options: &LoadOptions,
     ) -> Result<(Self, Vec<Surface>)> {
-        let model = read(path, options)?;
+        let model = Model::load(path, options)?;
         let faces: Vec<_> = model
             .drawn_faces()
             .into_iter()
@@ -95,11 +113,4 @@ impl CadModel {
             Self { file: path.to_owned(), model: Arc::new(model), transform, color, left_out };
         Ok((model, surfaces))
     }
-}
-
-/// Reads a model from a file of any of the formats.
-fn read(path: &Path, _options: &LoadOptions) -> Result<Model> {
-    check_is_file(path)?;
-    let file = File::open(path).map_err(|error| unreadable(path, error))?;
-    Model::read(BufReader::new(file), path)
 }
