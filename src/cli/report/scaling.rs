@@ -162,9 +162,10 @@ mod tests {
     fn memory_is_counted_at_its_most() {
         let Some(before) = memory_from_here() else { return };
         // Every page of the block is written, then the block is freed.
-        drop(std::hint::black_box(vec![1_u8; 64 << 20]));
+        drop(std::hint::black_box(vec![1_u8; 256 << 20]));
         let grown = most_memory().unwrap() - before;
-        assert!((60 << 20..100 << 20).contains(&grown), "{grown}");
+        // Other tests run at the same time, and what they free and allocate counts too.
+        assert!((150 << 20..360 << 20).contains(&grown), "{grown}");
     }
 
     #[test]
