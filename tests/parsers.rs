@@ -1,11 +1,11 @@
 //! Parsers answer any input with a result or an error, within bounds of memory. This test is a crate of its own,
-//! because its allocator counts the allocations of the whole process.
+//! because it has an allocator that counts.
 #![allow(unsafe_code, reason = "an allocator that counts")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::io::{BufReader, Read as _};
 use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use freeform_surface::inspect::TrimGrid;
 use freeform_surface::model::Model;
@@ -13,24 +13,33 @@ use freeform_surface::{CreaseAngle, Degree, LoadOptions, Mesh, Scene, TrimLoop, 
 use glam::vec2;
 use proptest::prelude::*;
 
-static NOW: AtomicUsize = AtomicUsize::new(0);
-static MAX: AtomicUsize = AtomicUsize::new(0);
-/// The counters belong to the process, so measurements take turns.
-static TURN: Mutex<()> = Mutex::new(());
+thread_local! {
+    /// The bytes that this thread has allocated and not released, and their peak.
+    static NOW: Cell<isize> = const { Cell::new(0) };
+    static MAX: Cell<isize> = const { Cell::new(0) };
+}
+
+/// Counts bytes that the current thread allocates or releases.
+fn count(bytes: isize) {
+    // A thread that ends has no counters any more.
+    let _ = NOW.try_with(|now| {
+        now.set(now.get() + bytes);
+        let _ = MAX.try_with(|max| max.set(max.get().max(now.get())));
+    });
+}
 
 struct Counting;
 
 // SAFETY: every call goes to the system's allocator unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        let now = NOW.fetch_add(layout.size(), Ordering::Relaxed) + layout.size();
-        MAX.fetch_max(now, Ordering::Relaxed);
+        count(layout.size().cast_signed());
         // SAFETY: as the caller promised.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        NOW.fetch_sub(layout.size(), Ordering::Relaxed);
+        count(-layout.size().cast_signed());
         // SAFETY: as the caller promised.
         unsafe { System.dealloc(pointer, layout) }
     }
@@ -39,12 +48,12 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The peak of bytes that `work` allocated, beyond those allocated before.
+/// The peak of bytes that `work` allocated in this thread, beyond those allocated before.
 fn most_memory(work: impl FnOnce()) -> usize {
-    let before = NOW.load(Ordering::Relaxed);
-    MAX.store(before, Ordering::Relaxed);
+    let before = NOW.get();
+    MAX.set(before);
     work();
-    MAX.load(Ordering::Relaxed) - before
+    (MAX.get() - before).unsigned_abs()
 }
 
 fn parse(text: &str) {
@@ -105,8 +114,13 @@ const FREE_FORM: &str = "v 0 0 0 1\nv 1 0 0 0.5\nv 0 1 0\nv 1 1 1 2\nvp 0.2 0.2\
     parm u 0 1 2 3\nend\nsurf 0 2 0 1 1 2 3 4\nparm u 0 2\ntrim 0.5 1.5 1 0 1 2\nhole 3 0 2\nend\n\
     cstype rat bspline\nsurf 0 1 0 1 -4 -3/1 -2//1 -1\nparm u 0 0 1 1\nparm v 0 0 1 1\ntrim 0 2 1\nend\n";
 
-/// A model with every kind of record.
-const MODEL: &[u8] = include_bytes!("harness/every_record.ffm");
+/// A model with every kind of record, and models of solids.
+const MODELS: [&[u8]; 4] = [
+    include_bytes!("harness/every_record.ffm"),
+    include_bytes!("../resources/models/assembly.ffm"),
+    include_bytes!("../resources/models/blade.ffm"),
+    include_bytes!("../resources/models/bracket.ffm"),
+];
 
 /// Reads a model from bytes, within the memory that any file may take.
 fn parse_model(bytes: &[u8]) {
@@ -127,6 +141,36 @@ fn parse_model(bytes: &[u8]) {
     assert!(memory <= limit, "{memory} bytes for a file of {}", bytes.len());
 }
 
+/// What replaces a piece of a model.
+#[derive(Debug, Clone)]
+enum Piece {
+    Bytes(Vec<u8>),
+    /// Another piece of the model.
+    Copy {
+        start: prop::sample::Index,
+        length: usize,
+    },
+}
+
+/// Words that are wrong in most places.
+const WORDS: [&str; 15] = [
+    "1e999",
+    "-0",
+    "99999999999999999999",
+    "18446744073709551615",
+    "nan",
+    "end",
+    "edge",
+    "face",
+    "product",
+    "use 0",
+    "loop",
+    "nurbs",
+    "pcurve",
+    "knots 9999999999",
+    "points 65536 65536",
+];
+
 /// The number of mutated models: 100,000 in the long tests.
 fn model_cases() -> u32 {
     if std::env::var_os("FREEFORM_TEST_LONG").is_some() { 100_000 } else { 1_000 }
@@ -139,28 +183,31 @@ proptest! {
 
     #[test]
     fn a_model_with_pieces_replaced_gets_an_answer(
+        model in prop::sample::select(&MODELS),
         pieces in prop::collection::vec(
             (
-                0..MODEL.len(), 0usize..40,
+                any::<prop::sample::Index>(), 0usize..40,
                 prop_oneof![
-                    "[-+.0-9a-z \"\\\\#\n]{0,12}".prop_map(String::into_bytes),
-                    prop::sample::select(vec![
-                        "1e999", "-0", "99999999999999999999", "18446744073709551615", "nan", "end", "edge", "face",
-                        "product", "use 0", "loop", "nurbs", "pcurve", "knots 9999999999", "points 65536 65536",
-                    ]).prop_map(|word| word.as_bytes().to_vec()),
-                    prop::collection::vec(any::<u8>(), 0..12),
-                    // Another piece of the file.
-                    (0..MODEL.len(), 0usize..200)
-                        .prop_map(|(start, length)| MODEL[start..(start + length).min(MODEL.len())].to_vec()),
+                    "[-+.0-9a-z \"\\\\#\n]{0,12}".prop_map(|text| Piece::Bytes(text.into_bytes())),
+                    prop::sample::select(&WORDS).prop_map(|word| Piece::Bytes(word.into())),
+                    prop::collection::vec(any::<u8>(), 0..12).prop_map(Piece::Bytes),
+                    (any::<prop::sample::Index>(), 0usize..200)
+                        .prop_map(|(start, length)| Piece::Copy { start, length }),
                 ],
             ),
             1..4,
         )
     ) {
-        let _turn = TURN.lock();
-        let mut bytes = MODEL.to_vec();
+        let mut bytes = model.to_vec();
         for (start, length, piece) in pieces {
-            let start = start.min(bytes.len());
+            let piece = match piece {
+                Piece::Bytes(bytes) => bytes,
+                Piece::Copy { start, length } => {
+                    let rest = &model[start.index(model.len())..];
+                    rest[..length.min(rest.len())].to_vec()
+                }
+            };
+            let start = start.index(bytes.len() + 1);
             bytes.splice(start..(start + length).min(bytes.len()), piece);
         }
         parse_model(&bytes);
@@ -169,15 +216,31 @@ proptest! {
 
 #[test]
 fn a_model_cut_off_anywhere_gets_an_answer() {
-    let _turn = TURN.lock();
-    (0..MODEL.len()).for_each(|length| parse_model(&MODEL[..length]));
+    for model in MODELS {
+        (0..model.len()).for_each(|length| parse_model(&model[..length]));
+    }
+}
+
+/// A word of a gibibyte is not read to its end; a comment of a gibibyte is, in little memory.
+#[test]
+fn a_line_of_one_gib_is_read_in_little_memory() {
+    for (start, byte) in
+        [("", b'x'), ("", b' '), ("", 0), ("#", b'x'), ("freeform-model 1 name \"", b'x')]
+    {
+        let memory = most_memory(|| {
+            let line = std::io::repeat(byte).take(1 << 30);
+            let reader = BufReader::new(start.as_bytes().chain(line));
+            let error = Model::read(reader, Path::new("x.ffm")).unwrap_err().to_string();
+            assert!(error.starts_with("x.ffm:1: ") && error.len() < 100, "{error}");
+        });
+        assert!(memory < 1 << 16, "{memory} bytes");
+    }
 }
 
 /// The records that take the most memory for their text.
 #[test]
 fn a_model_takes_at_most_20_times_its_file() {
     const MIB: usize = 1 << 20;
-    let _turn = TURN.lock();
     let filled = |piece: &str| piece.repeat(MIB / piece.len());
     let plane = "plane origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1 ";
     let face = format!("face tolerance 0 forward bounds 0 1 0 1 {plane}");
@@ -242,7 +305,6 @@ proptest! {
 
     #[test]
     fn any_text_gets_an_answer(text in "\\PC{0,300}") {
-        let _turn = TURN.lock();
         parse(&text);
     }
 
@@ -256,7 +318,6 @@ proptest! {
             0..120,
         )
     ) {
-        let _turn = TURN.lock();
         parse(&values.join(" "));
     }
 
@@ -264,7 +325,6 @@ proptest! {
     fn a_scene_with_a_piece_replaced_gets_an_answer(
         start in 0..SCENE.len(), length in 0usize..30, piece in "[-+.0-9a-z\\[\\]{}=\", \n#]{0,12}"
     ) {
-        let _turn = TURN.lock();
         let end = (start + length).min(SCENE.len());
         parse(&format!("{}{piece}{}", &SCENE[..start], &SCENE[end..]));
     }
@@ -273,7 +333,6 @@ proptest! {
     fn a_free_form_surface_with_a_piece_replaced_gets_an_answer(
         start in 0..FREE_FORM.len(), length in 0usize..30, piece in "[-+.0-9a-z \n]{0,12}"
     ) {
-        let _turn = TURN.lock();
         let end = (start + length).min(FREE_FORM.len());
         let text = format!("v 0 0 0\n{}{piece}{}", &FREE_FORM[..start], &FREE_FORM[end..]);
         if let Err(error) = Scene::from_text(&text, Path::new("x.obj"), &LoadOptions::default()) {
@@ -285,14 +344,12 @@ proptest! {
     fn a_path_with_a_piece_replaced_gets_an_answer(
         start in 0..TRIMMED.len(), length in 0usize..30, piece in "[-+.0-9a-zA-Z\", \n]{0,12}"
     ) {
-        let _turn = TURN.lock();
         let end = (start + length).min(TRIMMED.len());
         parse(&format!("{}{piece}{}", &TRIMMED[..start], &TRIMMED[end..]));
     }
 
     #[test]
     fn any_path_gets_an_answer(data in "[MmLlHhVvQqTtCcSsAaZz0-9.e, -]{0,80}|\\PC{0,60}") {
-        let _turn = TURN.lock();
         let mut trims = Trims::default();
         match TrimLoop::from_svg_path(&data) {
             Ok(loops) => {
@@ -310,7 +367,6 @@ proptest! {
         degrees in prop::collection::vec([1..=15_usize, 1..=15_usize], 1..6), counts in prop::bool::ANY,
         seed in any::<u32>(),
     ) {
-        let _turn = TURN.lock();
         let value = |i: usize| f64::from(seed.wrapping_mul(i as u32 + 1) % 1000) / 8.0;
         let mut text = format!("{}\n", degrees.len());
         for [u, v] in &degrees {
@@ -335,7 +391,6 @@ proptest! {
 #[test]
 fn a_file_of_one_mib_never_takes_more_than_64() {
     const MIB: usize = 1 << 20;
-    let _turn = TURN.lock();
     let filled = |piece: &str| piece.repeat(MIB / piece.len());
     let mut patch = String::from("3 3 ");
     patch += &"0 ".repeat(48);
@@ -410,7 +465,6 @@ fn a_file_of_one_mib_never_takes_more_than_64() {
 /// Reading takes memory in proportion to the triangles: a file of two million fits in half a gigabyte.
 #[test]
 fn a_mesh_takes_few_bytes_a_triangle() {
-    let _turn = TURN.lock();
     for side in [50, 160, 500] {
         let mut text = String::new();
         for i in 0..(side + 1) * (side + 1) {

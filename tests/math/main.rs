@@ -10,6 +10,7 @@ mod mesh_borders;
 mod mesh_convergence;
 mod mesh_faults;
 mod meshes;
+mod model_solids;
 mod model_text;
 mod nurbs;
 mod obj_freeform;
