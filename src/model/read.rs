@@ -64,8 +64,9 @@ struct Reader<'a, R> {
 
 impl<R: BufRead> Reader<'_, R> {
     fn header(&mut self) -> Result<()> {
-        // Some editors begin a text with a byte order mark.
+        // Some editors begin a text with a byte order mark, perhaps before a comment or white space.
         if !self.words.accept("\u{feff}freeform-model")? {
+            self.words.accept("\u{feff}")?;
             self.words.expect("freeform-model")?;
         }
         if !self.words.accept("1")? {

@@ -267,3 +267,31 @@ impl<W: io::Write> Lines<'_, W> {
             .try_for_each(|column| self.vector("", column))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Short;
+
+    #[test]
+    fn numbers_have_the_fewest_characters() {
+        let mut numbers = vec![
+            0.0,
+            -0.0,
+            5e-324,
+            f64::MAX,
+            f64::MIN_POSITIVE,
+            1.0 / 3.0,
+            f64::NAN,
+            f64::INFINITY,
+        ];
+        for digits in [1.0, 1.2, 1.25, 1.234_567_89, std::f64::consts::PI] {
+            numbers.extend((-30..30).map(|power| -digits * 10_f64.powi(power)));
+        }
+        for number in numbers {
+            let (plain, with_exponent) = (format!("{number}"), format!("{number:e}"));
+            let shorter = if plain.len() <= with_exponent.len() { plain } else { with_exponent };
+            assert_eq!(Short(number).to_string(), shorter);
+        }
+        assert_eq!(Short(0.1_f32).to_string(), "0.1");
+    }
+}

@@ -70,6 +70,7 @@ fn every_record_is_written_as_it_was_read() {
     let other = SAMPLE.replace('\n', "\r\n\t# \"a comment\n \r\n");
     assert_eq!(read(&other), model);
     assert_eq!(read(&format!("\u{feff}{SAMPLE}")), model);
+    assert_eq!(read(&format!("\u{feff}# a comment\n{SAMPLE}")), model);
     assert_eq!(read(&format!("# a comment\n{}", SAMPLE.trim_end())), model);
 }
 
