@@ -5,6 +5,7 @@
 #[allow(dead_code, unreachable_pub, reason = "each crate of tests uses a part of it")]
 mod trim_text;
 
+mod cad_import;
 mod convergence;
 mod mesh_borders;
 mod mesh_convergence;

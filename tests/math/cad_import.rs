@@ -1,0 +1,99 @@
+//! Real STEP, IGES and BREP files, read by the helper program. Left out where the helper (`sh setup.sh cad`) or the files
+//! are absent.
+
+use std::path::{Path, PathBuf};
+
+use freeform_surface::model::{ImportOptions, import};
+
+/// The files and their numbers of faces, in products and in all places of them. The numbers of the products are those
+/// of ADVANCED_FACE entities in STEP files, of entities 144 in IGES files and of face records in BREP files.
+const FILES: [(&str, usize, usize); 11] = [
+    ("as1-oc-214.stp", 53, 160),
+    ("as1_pe_203.igs", 160, 160),
+    ("axom_boxed_sphere.step", 192, 192),
+    ("bladex_propeller.iges", 22, 22),
+    ("dm1-oc-214.stp", 31, 61),
+    ("gpucast_part.igs", 134, 134),
+    ("io1-cm-214.stp", 29, 29),
+    ("m6_screw_thread.step", 28, 28),
+    ("nist_mbe_pmi_6.stp", 152, 152),
+    ("tigl_d150_fused.brep", 257, 257),
+    ("tigl_nacelle.stp", 6, 6),
+];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/cad")
+}
+
+/// The text of a file's model; `None` if the helper is absent.
+fn model_of(path: &Path) -> Option<Result<String, String>> {
+    match import(path, &ImportOptions::default(), |_| ()) {
+        Err(error) if error.to_string().contains("setup.sh cad") => {
+            eprintln!("left out: {error}");
+            None
+        }
+        result => Some(result.map_err(|error| error.to_string())),
+    }
+}
+
+/// The number of faces of the last product and of all that it uses.
+fn faces_in_all_places(model: &str) -> usize {
+    let number = |word: Option<&str>| word.and_then(|word| word.parse::<usize>().ok()).unwrap();
+    let mut products: Vec<usize> = Vec::new();
+    for line in model.lines() {
+        if let Some(used) = line.strip_prefix("use ") {
+            let faces = products[number(used.split(' ').next())];
+            *products.last_mut().unwrap() += faces;
+        } else if line.starts_with("product ") {
+            products.push(number(line.split(' ').next_back()));
+        }
+    }
+    products.pop().unwrap()
+}
+
+#[test]
+fn every_face_of_real_files_is_imported() {
+    for (name, in_products, in_all_places) in FILES {
+        let path = folder().join(name);
+        if !path.exists() {
+            eprintln!("left out: {} is absent", path.display());
+            return;
+        }
+        let Some(model) = model_of(&path) else { return };
+        let model = model.unwrap();
+        let faces = model.lines().filter(|line| line.starts_with("face ")).count();
+        assert_eq!(faces, in_products, "{name}");
+        assert_eq!(faces_in_all_places(&model), in_all_places, "{name}");
+    }
+}
+
+#[test]
+fn a_file_without_shapes_is_one_clear_error() {
+    let path = folder().join("gpucast_teapot.igs");
+    if !path.exists() {
+        eprintln!("left out: {} is absent", path.display());
+        return;
+    }
+    let Some(result) = model_of(&path) else { return };
+    let message = result.unwrap_err();
+    assert!(message.ends_with("it has no shapes that OCCT can read"), "{message}");
+}
+
+#[test]
+fn files_that_are_cut_off_or_something_else_are_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, expected) in [
+        ("empty.step", "", "it is empty"),
+        ("other.step", "hello", "it is no complete STEP file"),
+        ("cut.stp", "ISO-10303-21;\nHEADER;\n", "it is no complete STEP file"),
+        ("other.igs", "hello", "it is no complete IGES file"),
+        ("other.brep", "hello", "it is no complete BREP file"),
+        ("other.txt", "hello", "its name does not end with .step"),
+    ] {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        let Some(result) = model_of(&path) else { return };
+        let message = result.unwrap_err();
+        assert!(message.contains(expected) && message.lines().count() == 1, "{name}: {message}");
+    }
+}
