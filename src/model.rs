@@ -1,11 +1,13 @@
 //! CAD models as plain data in `f64`: faces with their exact surfaces and boundaries, edges that faces share, and
 //! products that are used in several places. Lengths are in the model's unit, angles in radians.
 
+mod area;
 mod boundary;
 mod chain;
 mod chart;
 mod check;
 mod curve;
+mod deviation;
 mod drawn;
 mod evaluate;
 mod fit;
@@ -20,6 +22,7 @@ use glam::{DAffine3, DVec2, DVec3};
 
 use crate::bezier::NurbsSurface;
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
+pub use deviation::Deviation;
 pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
 pub use import::{ImportOptions, import, is_cad_file};
 pub use instances::Instance;
@@ -179,3 +182,6 @@ pub struct ProductUse {
     /// The colour here, which goes before the product's own.
     pub color: Option<[f32; 3]>,
 }
+
+#[cfg(test)]
+mod tests;

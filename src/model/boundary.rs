@@ -30,7 +30,7 @@ struct Region<'a, 'b> {
 }
 
 /// The drawn surface of a face, its trims, and its edges in the drawn parameters.
-pub(super) type Drawn = (NurbsSurface, Trims, Vec<DrawnEdge>);
+pub(super) type Drawn = (NurbsSurface, Trims, Vec<DrawnEdge>, [Option<f64>; 2]);
 
 /// Draws a face whose loops are the given chains.
 ///
@@ -173,6 +173,14 @@ impl Region<'_, '_> {
             return Err(Error::invalid("loops", "several times around", "once around"));
         }
         self.repeats[around] = true;
+        let period = domain[1] - domain[0];
+        for chain in &mut self.chains {
+            let [low, high] = chain.bounds;
+            let off = f64::midpoint(domain[0], domain[1]) - low.midpoint(high)[around];
+            let mut by = DVec2::ZERO;
+            by[around] = period * (off / period).round();
+            chain.shift(by);
+        }
         let is_above = |chain: &Chain<'_>| (chain.winding[around] > 0) == (around == 0);
         let limits = self.sheet.limits.map(|limit| limit[across]);
         if let Some(period) = self.sheet.periods[across] {
@@ -244,7 +252,10 @@ impl Region<'_, '_> {
         let domain = surface.domain();
         let smooth = |axis: usize| {
             let degree = [surface.degree().u(), surface.degree().v()][axis];
-            breaks(&surface.knots()[axis], degree)
+            let own = breaks(&surface.knots()[axis], degree);
+            let Some(period) = self.sheet.periods[axis] else { return own };
+            let turns = [-period, 0.0, period].into_iter();
+            turns.flat_map(|by| own.iter().map(move |value| value + by)).collect()
         };
         let breaks = [smooth(0), smooth(1)];
         let accuracy = Accuracy { in_space, in_domain: 1e-8 * (domain[1] - domain[0]) };
@@ -260,7 +271,7 @@ impl Region<'_, '_> {
         if self.has_border {
             trims.add_loop(TrimLoop::closed(border(domain), domain[1] - domain[0])?)?;
         }
-        Ok((surface, trims, edges))
+        Ok((surface, trims, edges, self.sheet.periods))
     }
 }
 

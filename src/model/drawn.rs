@@ -2,10 +2,11 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::boundary;
 use super::chain::{Distances, chain};
+use super::evaluate::nurbs_at;
 use super::sheet::Sheet;
 use super::{BoundedCurve, Curve, Face, FaceSurface, Model};
 use crate::bezier::{NurbsSurface, bounding_box};
@@ -22,6 +23,27 @@ pub struct DrawnFace {
     pub trims: Trims,
     /// The edges in the parameters of `surface`, loop by loop.
     pub edges: Vec<DrawnEdge>,
+    /// After which differences of u and of v the surface is the same, if it is closed. Edges may lie periods outside of
+    /// its domain.
+    pub periods: [Option<f64>; 2],
+}
+
+impl DrawnFace {
+    /// The point at (u, v), which may lie periods outside of the domain.
+    #[must_use]
+    pub fn point(&self, mut uv: DVec2) -> DVec3 {
+        let [low, high] = self.surface.domain();
+        for axis in 0..2 {
+            if let Some(period) = self.periods[axis] {
+                let middle = f64::midpoint(low[axis], high[axis]);
+                if !(low[axis]..=high[axis]).contains(&uv[axis]) {
+                    uv[axis] -= period * ((uv[axis] - middle) / period).round();
+                }
+            }
+        }
+        let uv = uv.clamp(low, high);
+        nurbs_at(&self.surface, uv.x, uv.y).position
+    }
 }
 
 /// An edge in the parameters of a drawn face.
@@ -130,8 +152,9 @@ impl Model {
                 .map_err(|error| error.within(format!("loop {number}")))?;
             chains.push(chain);
         }
-        let (surface, trims, edges) = boundary::drawn(face, &sheet, chains, FITTED * diagonal)?;
-        Ok(DrawnFace { surface, trims, edges })
+        let (surface, trims, edges, periods) =
+            boundary::drawn(face, &sheet, chains, FITTED * diagonal)?;
+        Ok(DrawnFace { surface, trims, edges, periods })
     }
 
     /// All faces as they are drawn, in their order, by several threads.

@@ -33,11 +33,11 @@ impl Basis {
             values[round] = carried;
         }
         let mut slopes = [0.0; Degree::MAX + 1];
-        for r in 0..=degree {
+        for (r, slope) in slopes.iter_mut().enumerate().take(degree + 1) {
             let share = |j: usize, i: usize| lower[j] / (knots[i + degree] - knots[i]);
             let before = if r > 0 { share(r - 1, first + r) } else { 0.0 };
             let after = if r < degree { share(r, first + r + 1) } else { 0.0 };
-            slopes[r] = degree as f64 * (before - after);
+            *slope = degree as f64 * (before - after);
         }
         Self { first, values, slopes }
     }
