@@ -15,6 +15,7 @@ mod import;
 mod instances;
 mod projection;
 mod read;
+mod sew;
 mod sheet;
 mod write;
 

@@ -86,6 +86,19 @@ impl<P> NurbsCurve<P> {
         &self.0.points
     }
 
+    /// The same curve from its end to its start, over the same domain.
+    #[must_use]
+    pub fn reversed(&self) -> Self
+    where
+        P: Copy,
+    {
+        let [low, high] = self.domain();
+        let Parts { degree, knots, points } = &*self.0;
+        let knots = knots.iter().rev().map(|knot| low + high - knot).collect();
+        let points = points.iter().rev().copied().collect();
+        Self(Box::new(Parts { degree: *degree, knots, points }))
+    }
+
     /// The first and the last parameter.
     #[must_use]
     pub fn domain(&self) -> [f64; 2] {

@@ -340,7 +340,7 @@ mod tests {
         let scene = Scene { surfaces: vec![surface], ..Scene::default() };
         let hit = Rays::new(&scene).cast(dvec3(-5.0, 0.1, 0.2), DVec3::X).unwrap();
         assert!((hit.distance - 5.0 - (1.0 - 0.05_f64).sqrt()).abs() < 1e-12, "{hit:?}");
-        let point = scene.surfaces[0].at(hit.uv.x, hit.uv.y).position;
+        let point = scene.surfaces[0].nurbs().unwrap().at(hit.uv.x, hit.uv.y).position;
         assert!(point.distance(dvec3(hit.distance - 5.0, 0.1, 0.2)) < 1e-12, "{point}");
     }
 }
