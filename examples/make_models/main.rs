@@ -1,4 +1,4 @@
-//! Makes models of closed solids, sized in millimetres: a flange, a bracket with rounded edges, a blade, and an assembly.
+//! Makes models of closed solids, in millimetres: a flange, a bracket with rounded edges, a blade, and an assembly.
 //!
 //! `cargo run --release --example make_models` writes them to `resources/models`.
 

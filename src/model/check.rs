@@ -20,9 +20,9 @@ impl Model {
     ///
     /// # Errors
     /// The first fault, with the number of its edge, face or product: numbers that are not finite or above 1e15,
-    /// values outside the ranges that the types document, directions whose length is not 1 within 1e-9, axes that are not
-    /// perpendicular within 1e-9, numbers of edges, faces and products that do not exist, names above 4,096 bytes; a
-    /// model without faces or without products.
+    /// values outside the ranges that the types document, directions whose length is not 1 within 1e-9, axes that are
+    /// not perpendicular within 1e-9, numbers of edges, faces and products that do not exist, names above 4,096 bytes;
+    /// a model without faces or without products.
     pub fn check(&self) -> Result<()> {
         check_name(&self.name)?;
         check_unit(self.unit)?;

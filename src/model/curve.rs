@@ -61,8 +61,8 @@ impl<P> NurbsCurve<P> {
     /// are control points.
     ///
     /// # Errors
-    /// A degree that is not from 1 to 15; knots that are not finite, decrease or leave no domain; a number of knots that
-    /// is not that of the points. Knots are numbered from 0.
+    /// A degree that is not from 1 to 15; knots that are not finite, decrease or leave no domain; a number of knots
+    /// that is not that of the points. Knots are numbered from 0.
     pub fn new(degree: usize, knots: Vec<f64>, points: Vec<P>) -> Result<Self> {
         check_knots(degree, &knots, points.len())?;
         Ok(Self(Box::new(Parts { degree, knots, points })))

@@ -15,8 +15,8 @@ const WIDTH: usize = 120;
 
 impl Model {
     /// Writes the model in the text format: first all edges, then all faces, then all products. Every number has the
-    /// fewest characters that give the same number again. A model that [`Model::check`] refuses is written, but cannot be
-    /// read.
+    /// fewest characters that give the same number again. A model that [`Model::check`] refuses is written, but cannot
+    /// be read.
     ///
     /// # Errors
     /// Those of `out`.

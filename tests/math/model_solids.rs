@@ -1,5 +1,5 @@
-//! The stored models are closed solids: every edge has two uses in opposite directions, edges meet end to end and lie on
-//! their surfaces, and the volumes are those of the shapes. Curves and surfaces are evaluated here by their formulas.
+//! The stored models are closed solids: every edge has two uses in opposite directions, edges meet end to end and lie
+//! on their surfaces, and the volumes are those of the shapes. Curves and surfaces are evaluated here by their formulas.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -322,8 +322,8 @@ fn volumes_are_those_of_the_shapes() {
     near("blade", volume_of(&blade, 0), volume_by_sections(&blade));
 }
 
-/// The volume of the blade by the areas of its sections: the surface's v goes up with the height, which is the same along
-/// each row of control points.
+/// The volume of the blade by the areas of its sections: the surface's v goes up with the height, which is the same
+/// along each row of control points.
 fn volume_by_sections(blade: &Model) -> f64 {
     let surface = &blade.faces[0].surface;
     let section = |v: f64| {
