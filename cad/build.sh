@@ -21,7 +21,7 @@ set -- $version
 if [ "$1" -gt 7 ] || [ "$2" -ge 8 ]; then
     readers="-lTKDESTEP -lTKDEIGES"
 else
-    readers="-lTKXDESTEP -lTKXDEIGES -lTKSTEP -lTKIGES"
+    readers="-lTKXDESTEP -lTKXDEIGES -lTKSTEP -lTKSTEPBase -lTKIGES"
 fi
 
 mkdir -p build

@@ -37,7 +37,8 @@ Text edge_record(const TopoDS_Edge& edge, Approximation& approximation) {
 }
 
 /// The edges of a loop in their order.
-static std::vector<TopoDS_Edge> edges_of(const TopoDS_Wire& wire, const TopoDS_Face& face) {
+static std::vector<TopoDS_Edge> edges_of(const TopoDS_Wire& wire, const TopoDS_Face& face,
+                                         std::vector<std::string>& notes) {
     std::vector<TopoDS_Edge> stored, chain;
     for (TopoDS_Iterator edge(wire); edge.More(); edge.Next()) {
         if (bounds(edge.Value())) stored.push_back(TopoDS::Edge(edge.Value()));
@@ -45,8 +46,10 @@ static std::vector<TopoDS_Edge> edges_of(const TopoDS_Wire& wire, const TopoDS_F
     for (BRepTools_WireExplorer edge(wire, face); edge.More(); edge.Next()) {
         if (bounds(edge.Current())) chain.push_back(edge.Current());
     }
-    // The explorer stops where the parameters of one edge do not go on in the next one.
-    return chain.size() == stored.size() ? chain : stored;
+    if (chain.size() == stored.size()) return chain;
+    // The explorer stops where an edge does not begin at the end of the one before.
+    notes.push_back("a loop whose edges are no chain is left in the order of the file");
+    return stored;
 }
 
 static void write_coedge(Text& text, const TopoDS_Edge& edge, const TopoDS_Face& face,
@@ -99,7 +102,7 @@ void write_face_shape(Text& text, const TopoDS_Face& face, const TopTools_Indexe
     const bool is_plane = surface->IsKind(STANDARD_TYPE(Geom_Plane));
     for (TopoDS_Iterator wire(forward); wire.More(); wire.Next()) {
         if (wire.Value().ShapeType() != TopAbs_WIRE || !bounds(wire.Value())) continue;
-        const std::vector<TopoDS_Edge> chain = edges_of(TopoDS::Wire(wire.Value()), forward);
+        const std::vector<TopoDS_Edge> chain = edges_of(TopoDS::Wire(wire.Value()), forward, approximation.notes);
         if (chain.empty()) continue;
         text.line() << "  loop" << static_cast<int>(chain.size());
         for (const TopoDS_Edge& edge : chain) write_coedge(text, edge, forward, edges, numbers, is_plane);

@@ -13,14 +13,18 @@
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <IGESCAFControl_Reader.hxx>
+#include <IGESData_IGESEntity.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_CheckIterator.hxx>
+#include <Interface_InterfaceModel.hxx>
+#include <Interface_ReportEntity.hxx>
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
 #include <Message_ProgressIndicator.hxx>
 #include <STEPCAFControl_Reader.hxx>
+#include <StepShape_TopologicalRepresentationItem.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -60,13 +64,12 @@ class FirstError : public Message_Printer {
     DEFINE_STANDARD_RTTI_INLINE(FirstError, Message_Printer)
 
 public:
-    std::string text;
+    mutable std::string text;
 
 protected:
     void send(const TCollection_AsciiString& message, const Message_Gravity gravity) const override {
         if (gravity < Message_Fail || !text.empty()) return;
-        auto& first = const_cast<FirstError*>(this)->text;
-        first = one_line(message.ToCString());
+        text = one_line(message.ToCString());
     }
 };
 
@@ -89,9 +92,6 @@ static const size_t IGES_SECTION = 72;
 
 static const char NO_SHAPES[] = "it has no shapes that OCCT can read";
 
-static const char FAULTY[] = " entities of the file are not as they should be; the first: ";
-static const char UNREAD[] = " entities of the file were not read; the first: ";
-
 enum class Kind { Step, Iges, Brep };
 
 static Kind kind_of(const std::string& path) {
@@ -110,15 +110,33 @@ static void check_readable(const std::string& path) {
     if (file.get() == std::ifstream::traits_type::eof()) throw std::runtime_error("it is empty");
 }
 
+/// Whether a fault of an entity may cost a face. STEP files have many faults that do not matter.
+static bool matters(const Handle(Standard_Transient)& entity) {
+    return entity->IsKind(STANDARD_TYPE(StepShape_TopologicalRepresentationItem)) ||
+           entity->IsKind(STANDARD_TYPE(IGESData_IGESEntity));
+}
+
 /// Says how many entities of the file have faults, and the first fault.
-static void log_faults(const Interface_CheckIterator& checks, const char* what) {
+static void log_faults(const Handle(Interface_InterfaceModel)& model) {
+    int count = 0;
+    std::string first;
+    for (int index = 1; index <= model->NbEntities(); ++index) {
+        if (!model->IsErrorEntity(index) || !matters(model->Value(index))) continue;
+        const Handle(Interface_Check) check = model->ReportEntity(index)->Check();
+        if (count++ == 0 && check->NbFails() > 0) first = one_line(check->CFail(1));
+    }
+    if (count > 0) log("warning: faulty entities in the file: " + std::to_string(count) + "; the first: " + first);
+}
+
+/// Says how many entities were not read, and why the first was not.
+static void log_unread(const Interface_CheckIterator& checks) {
     int count = 0;
     std::string first;
     for (checks.Start(); checks.More(); checks.Next()) {
         if (!checks.Value()->HasFailed()) continue;
         if (count++ == 0) first = one_line(checks.Value()->CFail(1));
     }
-    if (count > 0) log("warning: " + std::to_string(count) + what + first);
+    if (count > 0) log("warning: entities that were not read: " + std::to_string(count) + "; the first: " + first);
 }
 
 /// Refuses an IGES file whose last section is missing.
@@ -155,9 +173,9 @@ static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
         reader.SetLayerMode(false);
         reader.SetPropsMode(false);
         check_status(reader.ReadFile(path.c_str()), "STEP");
-        log_faults(reader.Reader().WS()->ModelCheckList(), FAULTY);
+        log_faults(reader.Reader().WS()->Model());
         if (!reader.Transfer(document, progress->Start())) throw std::runtime_error(NO_SHAPES);
-        log_faults(reader.Reader().WS()->TransferReader()->LastCheckList(), UNREAD);
+        log_unread(reader.Reader().WS()->TransferReader()->LastCheckList());
         break;
     }
     case Kind::Iges: {
@@ -169,9 +187,9 @@ static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
         reader.SetNameMode(true);
         reader.SetLayerMode(false);
         check_status(reader.ReadFile(path.c_str()), "IGES");
-        log_faults(reader.WS()->ModelCheckList(), FAULTY);
+        log_faults(reader.WS()->Model());
         if (!reader.Transfer(document, progress->Start())) throw std::runtime_error(NO_SHAPES);
-        log_faults(reader.WS()->TransferReader()->LastCheckList(), UNREAD);
+        log_unread(reader.WS()->TransferReader()->LastCheckList());
         break;
     }
     case Kind::Brep: {

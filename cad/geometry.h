@@ -14,7 +14,7 @@
 struct Approximation {
     /// The greatest distance.
     double tolerance;
-    /// What was approximated, for the log.
+    /// What the log should say of the edge or the face: what was approximated, above all.
     std::vector<std::string> notes;
 };
 
