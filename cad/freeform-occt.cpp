@@ -29,11 +29,11 @@
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
-#include <XSControl_TransferReader.hxx>
-#include <XSControl_WorkSession.hxx>
 #include <XCAFApp_Application.hxx>
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <XSControl_TransferReader.hxx>
+#include <XSControl_WorkSession.hxx>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -146,7 +146,8 @@ static void check_is_complete(const std::string& path) {
     while (std::getline(file, line)) {
         if (line.find_first_not_of(" \r") != std::string::npos) last.swap(line);
     }
-    if (last.size() <= IGES_SECTION || last[IGES_SECTION] != 'T') throw std::runtime_error("it is no complete IGES file");
+    const bool is_complete = last.size() > IGES_SECTION && last[IGES_SECTION] == 'T';
+    if (!is_complete) throw std::runtime_error("it is no complete IGES file");
 }
 
 static void check_status(IFSelect_ReturnStatus status, const char* kind) {

@@ -41,9 +41,9 @@ static const int APPROXIMATION_DEGREE = 8;
 static const int MAX_SPANS = 1000;
 
 /// A part of a domain or of a period that is rounding.
-static const double ROUNDING = 1e-6;
+static const double ROUNDING = 1e-9;
 
-/// Moves a bound of a face that lies outside of the domain only by rounding onto its border.
+/// The part of a range that lies within a domain.
 static Range clamp(Range range, Range domain) {
     return {std::clamp(range.first, domain.first, domain.last), std::clamp(range.last, domain.first, domain.last)};
 }
@@ -65,8 +65,8 @@ static void write_knots(Text& text, const TColStd_Array1OfReal& knots, double sh
     for (const double knot : knots) text << knot + shift;
 }
 
-/// Opens a periodic curve. Where the range crosses its seam, the curve is cut at the range's beginning. Returns what must
-/// be added to the curve's parameters: some periods.
+/// Opens a periodic curve. Where the range crosses its seam, the curve is cut at the range's beginning. Returns what
+/// must be added to the curve's parameters: some periods.
 static double open(const Handle(Geom_BSplineCurve)& curve, Range range) {
     const Range domain{curve->FirstParameter(), curve->LastParameter()};
     double shift = 0.0;
