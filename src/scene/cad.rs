@@ -40,6 +40,8 @@ pub struct FaceOfModel {
 
 /// The extension of the project's own format.
 const EXTENSION: &str = "ffm";
+/// The largest distance between edges that are taken for one, as a share of the model's diagonal.
+const SEWN: f64 = 1e-4;
 /// The colour of faces that have none.
 const UNPAINTED: [f32; 3] = [0.7, 0.72, 0.75];
 
@@ -54,7 +56,11 @@ impl Model {
             let LoadOptions { import_limit: limit, progress, .. } = *options;
             let import_options = ImportOptions { limit, ..ImportOptions::default() };
             let note = |share| progress.into_iter().for_each(|note| note(share));
-            return Self::from_text(&import(path, &import_options, note)?, path);
+            let mut model = Self::from_text(&import(path, &import_options, note)?, path)?;
+            // IGES files have no edges that faces share, and other files may lack some.
+            let joined = model.sew(SEWN * model.diagonal());
+            log::info!("{}: {joined} edges were joined to others", path.display());
+            return Ok(model);
         }
         let file = File::open(path).map_err(|error| unreadable(path, error))?;
         Self::read(BufReader::new(file), path)
