@@ -51,6 +51,8 @@ pub(super) struct Distances {
     pub(super) diagonal: f64,
     /// The largest distance of a p-curve of the file from its edge.
     pub(super) pcurve: f64,
+    /// The largest distance of an edge from the surface, unless its tolerance is large.
+    pub(super) surface: f64,
     /// Parts of chains that are further apart are not joined.
     pub(super) gap: f64,
 }
@@ -58,7 +60,7 @@ pub(super) struct Distances {
 /// The loop of a face, with its edges projected.
 ///
 /// # Errors
-/// A loop without edges, or one whose edges do not meet.
+/// A loop without edges, one whose edges do not meet, or an edge far from the surface.
 pub(super) fn chain<'a>(
     model: &'a Model,
     face: &'a Face,
@@ -112,7 +114,17 @@ fn trace<'a>(
         let (trace, is_of_file) = match (&model.edges[coedge.edge].curve, &coedge.pcurve) {
             (Some(curve), _) => match accurate_pcurve(sheet, coedge, curve, distances.pcurve) {
                 Some(pcurve) => (Trace::of_pcurve(sheet, pcurve), true),
-                None => (Trace::of_edge(sheet, curve, coedge.forward, near), false),
+                None => {
+                    let trace = Trace::of_edge(sheet, curve, coedge.forward, near);
+                    let tolerance = model.edges[coedge.edge].tolerance;
+                    let most = distances.surface.max(100.0 * tolerance);
+                    let distance = trace.distance();
+                    if distance > most {
+                        let name = format!("distance of edge {} from the surface", coedge.edge);
+                        return Err(Error::invalid(name, distance, format!("at most {most}")));
+                    }
+                    (trace, false)
+                }
             },
             (None, Some(pcurve)) if is_point(sheet, pcurve, distances) => {
                 (Trace::of_pcurve(sheet, pcurve), true)

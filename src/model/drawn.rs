@@ -76,6 +76,8 @@ pub enum PcurveSource {
 const PCURVE: f64 = 1e-6;
 /// The largest distance of the segments of an edge from it, as a share of the model's diagonal.
 const FITTED: f64 = 1e-7;
+/// The largest distance of an edge from a surface, as a share of the model's diagonal.
+const SURFACE: f64 = 1e-3;
 /// The largest gap between edges that is closed by a line, as a share of the model's diagonal.
 const GAP: f64 = 1e-4;
 
@@ -139,7 +141,12 @@ impl Model {
 
     fn draw(&self, face: &Face, diagonal: f64) -> Result<DrawnFace> {
         let sheet = Sheet::new(&face.surface, FITTED * diagonal);
-        let distances = Distances { diagonal, pcurve: PCURVE * diagonal, gap: GAP * diagonal };
+        let distances = Distances {
+            diagonal,
+            pcurve: PCURVE * diagonal,
+            surface: SURFACE * diagonal,
+            gap: GAP * diagonal,
+        };
         let mut chains = Vec::with_capacity(face.loops.len());
         for (number, coedges) in face.loops.iter().enumerate() {
             for coedge in coedges {

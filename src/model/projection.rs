@@ -135,6 +135,14 @@ impl<'a> Trace<'a> {
         }
     }
 
+    /// The largest distance of the samples from the edge.
+    pub(super) fn distance(&self) -> f64 {
+        let TracedCurve::Edge(edge) = self.curve else { return 0.0 };
+        let off =
+            |(t, uv): &(f64, DVec2)| edge.curve.at(*t)[0].distance(self.sheet.at(*uv).position);
+        self.samples.iter().map(off).fold(0.0, f64::max)
+    }
+
     /// The nearest parameters to the edge's point at t.
     fn locate(&self, t: f64, near: DVec2) -> DVec2 {
         match self.curve {

@@ -21,7 +21,13 @@ pub(super) struct Sheet<'a> {
     /// The largest distance of a point from the surface that is not taken for a wrong start.
     accepted: Cell<f64>,
     /// Points where searches begin.
-    samples: OnceCell<Vec<(DVec2, DVec3)>>,
+    samples: OnceCell<Samples>,
+}
+
+/// Points of a surface in rows along u.
+struct Samples {
+    points: Vec<(DVec2, DVec3)>,
+    columns: usize,
 }
 
 /// The number of places along a B-spline curve or one direction of a surface where searches begin.
@@ -256,9 +262,10 @@ impl<'a> Sheet<'a> {
         if best.is_none_or(|(_, distance)| distance > self.accepted.get()) {
             let samples = self.samples.get_or_init(|| {
                 let places = places_of_curve(curve);
-                places.iter().map(|t| (DVec2::splat(*t), self.planar(*t)[0].extend(0.0))).collect()
+                let sample = |t: &f64| (DVec2::splat(*t), self.planar(*t)[0].extend(0.0));
+                Samples { points: places.iter().map(sample).collect(), columns: places.len() }
             });
-            for start in starts(samples, target.extend(0.0), 3) {
+            for start in samples.starts(target.extend(0.0)) {
                 let found = newton(start[axis]);
                 if best.is_none_or(|best| found.1 < 0.5 * best.1) {
                     best = Some(found);
@@ -279,9 +286,10 @@ impl<'a> Sheet<'a> {
                 });
                 let place = |v: f64| us.iter().map(move |u| dvec2(*u, v));
                 let all = vs.iter().flat_map(|v| place(*v));
-                all.map(|uv| (uv, self.surface.at(uv.x, uv.y).position)).collect()
+                let sample = |uv: DVec2| (uv, self.surface.at(uv.x, uv.y).position);
+                Samples { points: all.map(sample).collect(), columns: us.len() }
             });
-            for start in starts(samples, point, 4) {
+            for start in samples.starts(point) {
                 let found = self.newton(point, start);
                 if best.is_none_or(|best| found.1 < 0.5 * best.1) {
                     best = Some(found);
@@ -360,24 +368,27 @@ fn across(direction: DVec3) -> [DVec3; 2] {
     [x, direction.cross(x)]
 }
 
-/// The places of the nearest samples; of neighbours only one.
-fn starts(samples: &[(DVec2, DVec3)], point: DVec3, count: usize) -> Vec<DVec2> {
-    let mut nearest: Vec<(f64, usize)> = Vec::with_capacity(4 * count + 1);
-    for (i, (_, sample)) in samples.iter().enumerate() {
-        let distance = sample.distance_squared(point);
-        if nearest.len() < 4 * count || distance < nearest[nearest.len() - 1].0 {
-            let place = nearest.partition_point(|(other, _)| *other <= distance);
-            nearest.insert(place, (distance, i));
-            nearest.truncate(4 * count);
-        }
+impl Samples {
+    /// The samples that are nearer to a point than those beside them, the nearest ones first.
+    fn starts(&self, point: DVec3) -> Vec<DVec2> {
+        /// More than the sheets of a surface that come near each other.
+        const MAX_STARTS: usize = 8;
+        let (columns, count) = (self.columns, self.points.len());
+        let distances: Vec<f64> =
+            self.points.iter().map(|(_, sample)| sample.distance_squared(point)).collect();
+        let mut starts: Vec<usize> = (0..count)
+            .filter(|i| {
+                let (column, own) = (i % columns, distances[*i]);
+                (column == 0 || own <= distances[i - 1])
+                    && (column + 1 == columns || own <= distances[i + 1])
+                    && (*i < columns || own <= distances[i - columns])
+                    && (i + columns >= count || own <= distances[i + columns])
+            })
+            .collect();
+        starts.sort_by(|a, b| distances[*a].total_cmp(&distances[*b]));
+        starts.truncate(MAX_STARTS);
+        starts.into_iter().map(|i| self.points[i].0).collect()
     }
-    let mut starts: Vec<usize> = Vec::new();
-    for (_, i) in nearest {
-        if starts.len() < count && starts.iter().all(|other| other.abs_diff(i) > 1) {
-            starts.push(i);
-        }
-    }
-    starts.into_iter().map(|i| samples[i].0).collect()
 }
 
 /// Parameters in every span of a knot vector.
@@ -385,7 +396,7 @@ fn places(knots: &[f64], degree: usize) -> Vec<f64> {
     let mut ends = knots[degree..knots.len() - degree].to_vec();
     ends.dedup();
     let spans = ends.len() - 1;
-    let each = MIN_SAMPLES.div_ceil(spans).max(2).min((MAX_SAMPLES / spans).max(1));
+    let each = MIN_SAMPLES.div_ceil(spans).max(degree).min((MAX_SAMPLES / spans).max(2));
     let within = |i: usize, pair: &[f64]| pair[0] + (pair[1] - pair[0]) * i as f64 / each as f64;
     let inside = ends.windows(2).flat_map(|pair| (0..each).map(move |i| within(i, pair)));
     inside.chain([ends[spans]]).collect()
