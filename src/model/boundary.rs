@@ -252,7 +252,7 @@ impl Region<'_, '_> {
         let domain = surface.domain();
         let smooth = |axis: usize| {
             let degree = [surface.degree().u(), surface.degree().v()][axis];
-            let own = breaks(&surface.knots()[axis], degree);
+            let own = breaks(&surface.knots()[axis], degree, 1);
             let Some(period) = self.sheet.periods[axis] else { return own };
             let turns = [-period, 0.0, period].into_iter();
             turns.flat_map(|by| own.iter().map(move |value| value + by)).collect()

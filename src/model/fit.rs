@@ -44,8 +44,11 @@ pub(super) struct Fit<'a> {
 impl Fit<'_> {
     /// The segments of the edge, from its start to its end.
     pub(super) fn segments(&self) -> Vec<Segment> {
-        if let Some(segments) = self.exact() {
-            return segments;
+        /// Exact curves of more segments are fitted too.
+        const MANY: usize = 4;
+        let exact = self.exact();
+        if let Some(segments) = exact.as_ref().filter(|segments| segments.len() == 1) {
+            return segments.clone();
         }
         let [first, last] = self.trace.range;
         let ends = [self.place(first), self.place(last)];
@@ -55,6 +58,18 @@ impl Fit<'_> {
         if all.all(|t| self.is_on_line(ends, &self.place(t))) {
             return vec![Segment::Line(ends.map(|end| end.at))];
         }
+        match exact {
+            Some(segments) if segments.len() <= MANY => segments,
+            Some(segments) => {
+                let fitted = self.fitted(ends);
+                if fitted.len() < segments.len() { fitted } else { segments }
+            }
+            None => self.fitted(ends),
+        }
+    }
+
+    fn fitted(&self, ends: [Place; 2]) -> Vec<Segment> {
+        let [first, last] = self.trace.range;
         let mut breaks = self.trace.breaks();
         for axis in 0..2 {
             for value in &self.breaks[axis] {

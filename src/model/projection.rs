@@ -222,20 +222,20 @@ impl<'a> Trace<'a> {
     /// Knots of the curve where it may have corners or jumps of curvature.
     pub(super) fn breaks(&self) -> Vec<f64> {
         match self.curve {
-            TracedCurve::Pcurve(curve) => breaks(curve.knots(), curve.degree()),
+            TracedCurve::Pcurve(curve) => breaks(curve.knots(), curve.degree(), 0),
             TracedCurve::Edge(edge) => match &edge.curve {
-                Curve::Nurbs(curve) => breaks(curve.knots(), curve.degree()),
+                Curve::Nurbs(curve) => breaks(curve.knots(), curve.degree(), 1),
                 _ => Vec::new(),
             },
         }
     }
 }
 
-/// Inner knots where a B-spline curve is less than twice continuously differentiable.
-pub(super) fn breaks(knots: &[f64], degree: usize) -> Vec<f64> {
+/// Inner knots where a B-spline curve has at most so many continuous derivatives.
+pub(super) fn breaks(knots: &[f64], degree: usize, derivatives: usize) -> Vec<f64> {
     let inside = &knots[degree..knots.len() - degree];
     let runs = inside.chunk_by(|a, b| a == b);
-    runs.filter(|run| run.len() + 2 > degree).map(|run| run[0]).collect()
+    runs.filter(|run| run.len() + derivatives >= degree).map(|run| run[0]).collect()
 }
 
 fn even([low, high]: [f64; 2], count: u32) -> Vec<f64> {

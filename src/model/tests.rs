@@ -251,7 +251,8 @@ fn a_hole_across_the_seam_of_a_cylinder() {
                 })
                 .sum();
             let bounds = [0.0, TAU, 0.0, 3.0 * s];
-            let model = model(surface.clone(), edges, loops, bounds);
+            let mut model = model(surface.clone(), edges, loops, bounds);
+            model.edges[2].tolerance = 0.062 * s;
             check(&model, setting, 12.0 * PI - cut, 0.062);
             assert!(model.drawn_face(0, model.diagonal()).unwrap().trims.loops.len() >= 2);
         }
