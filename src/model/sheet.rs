@@ -307,12 +307,18 @@ impl<'a> Sheet<'a> {
 
     /// The nearest point by the Gauss–Newton method with damping: its parameters and the distance.
     fn newton(&self, point: DVec3, mut uv: DVec2) -> (DVec2, f64) {
+        /// The longest step, as a share of the domain.
+        const LONGEST: f64 = 0.2;
         let mut here = self.at(uv);
         let mut off = point - here.position;
         let mut damping = 0.0;
         let rounding = 1e-14 * point.abs().max_element().max(self.tolerance);
+        let size = self.limits[1] - self.limits[0];
         for _ in 0..40 {
-            let (step, _) = solve(&here, off, damping);
+            let (mut step, _) = solve(&here, off, damping);
+            // Where a derivative is almost 0, steps are long.
+            let excess = (step.abs() / size).max_element() / LONGEST;
+            step /= excess.max(1.0);
             let mut next = self.clamped(uv + step);
             // Along a border the other parameter has a minimum of its own.
             for axis in 0..2 {
