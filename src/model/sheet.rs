@@ -317,8 +317,7 @@ impl<'a> Sheet<'a> {
         for _ in 0..40 {
             let (mut step, _) = solve(&here, off, damping);
             // Where a derivative is almost 0, steps are long.
-            let excess = (step.abs() / size).max_element() / LONGEST;
-            step /= excess.max(1.0);
+            step = step.clamp(-LONGEST * size, LONGEST * size);
             let mut next = self.clamped(uv + step);
             // Along a border the other parameter has a minimum of its own.
             for axis in 0..2 {

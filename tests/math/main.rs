@@ -6,6 +6,7 @@
 mod trim_text;
 
 mod cad_import;
+mod cad_models;
 mod convergence;
 mod mesh_borders;
 mod mesh_convergence;
