@@ -201,7 +201,8 @@ void ModelWriter::write_face(const TopoDS_Face& face, const TopTools_IndexedMapO
 
 void ModelWriter::write_area(const TopoDS_Face& face) {
     GProp_GProps properties;
-    BRepGProp::SurfaceProperties(face.Oriented(TopAbs_FORWARD), properties);
+    // By adaptive quadrature: without a bound, areas of trimmed faces are up to 1 % off.
+    BRepGProp::SurfaceProperties(face.Oriented(TopAbs_FORWARD), properties, 1e-7);
     Text text;
     const std::string line = (text << properties.Mass()).line().str();
     std::fwrite(line.data(), 1, line.size(), output);
