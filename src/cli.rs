@@ -5,6 +5,7 @@ mod convert;
 mod exr;
 mod info;
 mod measure;
+mod model_info;
 mod render;
 mod report;
 mod smooth;
@@ -54,7 +55,7 @@ enum Command {
     Report(ReportArguments),
     /// Show a scene in a window and edit it.
     View(ViewArguments),
-    /// Print the OpenGL driver and the limits that the program relies on.
+    /// Print what a CAD model consists of, or the OpenGL driver and the limits that the program relies on.
     Info(InfoArguments),
 }
 
@@ -284,6 +285,13 @@ enum SmoothMethod {
 
 #[derive(Debug, Args)]
 struct InfoArguments {
+    /// A CAD model: its faces, edges, size, and what was repaired or left out. Without a file: the driver.
+    #[arg(value_name = "MODEL", conflicts_with_all = ["check", "backend"])]
+    file: Option<PathBuf>,
+
+    #[command(flatten)]
+    load: LoadArguments,
+
     /// Where the OpenGL context comes from: auto, egl or osmesa.
     #[arg(long, value_name = "BACKEND", default_value_t)]
     backend: Backend,
@@ -388,10 +396,12 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
         Some(Command::Report(arguments)) => report::run(arguments).map_err(|error| vec![error]),
         Some(Command::View(arguments)) => view::run(arguments).map_err(|error| vec![error]),
-        Some(Command::Info(InfoArguments { backend, check })) => {
-            let print = if *check { info::print_check } else { info::print };
-            print(*backend).map_err(|error| vec![error])
+        Some(Command::Info(InfoArguments { file, load, backend, check })) => match file {
+            Some(file) => model_info::print(file, &load.options()),
+            None if *check => info::print_check(*backend),
+            None => info::print(*backend),
         }
+        .map_err(|error| vec![error]),
     }
 }
 
