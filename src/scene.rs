@@ -23,6 +23,7 @@ use crate::bezier::Degree;
 use crate::camera::{Camera, ViewProjection};
 use crate::error::Result;
 use crate::mesh::{CreaseAngle, Smoothing};
+use crate::model::Model;
 use crate::trim::Circle;
 
 pub use cad::{CadModel, FaceOfModel};
@@ -126,7 +127,9 @@ impl Scene {
             "toml" => document::parse(&read_text(path)?, path, options)?,
             "bpt" => Self::from_bpt(&read_text(path)?, path)?,
             "obj" => Self::of_obj(path, options)?,
-            _ if CadModel::is_file_of_one(path) => Self::of_model(path, options)?,
+            _ if CadModel::is_file_of_one(path) => {
+                Self::of_model(Model::load(path, options)?, path)?
+            }
             // A missing file, or a folder, is reported first.
             other => {
                 return Err(check_is_file(path).err().unwrap_or_else(|| {
@@ -142,7 +145,7 @@ impl Scene {
     }
 
     /// Parses the text of a scene. The beginning of the text decides its format: a `.bpt` file begins with a number,
-    /// an `.obj` file with one of its keywords. Files that it names are found relative to the folder of `name`, which
+    /// an `.obj` file with one of its keywords, a `.ffm` file with `freeform-model`. Files that it names are found relative to the folder of `name`, which
     /// also stands in the errors; a bare word means the current folder.
     ///
     /// # Errors
@@ -151,6 +154,8 @@ impl Scene {
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
         let mut scene = if text.trim_start().starts_with(|first: char| first.is_ascii_digit()) {
             Self::from_bpt(text, name)?
+        } else if Model::is_text_of_one(text) {
+            Self::of_model(Model::from_text(text, name)?, name)?
         } else if obj::is_obj(text) {
             let crease = options.crease.unwrap_or_default();
             Self::with_obj(obj::parse(text, name, crease, Smoothing::None)?, name)
@@ -212,14 +217,10 @@ impl Scene {
     }
 
     /// A CAD model alone: z upright, seen isometrically.
-    fn of_model(path: &Path, options: &LoadOptions) -> Result<Self> {
-        let (model, surfaces) = CadModel::load(path, 0, DMat4::IDENTITY, None, options)?;
-        Ok(Self { models: vec![model], surfaces, ..Self::of_models(path) })
-    }
-
-    /// An empty scene for CAD models.
-    fn of_models(path: &Path) -> Self {
-        Self { up: DVec3::Z, viewpoint: Viewpoint::Isometric, ..Self::empty(path) }
+    fn of_model(model: Model, path: &Path) -> Result<Self> {
+        let (model, surfaces) = CadModel::new(model, path, 0, DMat4::IDENTITY, None)?;
+        let (up, viewpoint) = (DVec3::Z, Viewpoint::Isometric);
+        Ok(Self { models: vec![model], surfaces, up, viewpoint, ..Self::empty(path) })
     }
 
     /// An empty scene for a file.

@@ -27,6 +27,13 @@ const NUMBER: &str = "a finite number of at most 1e15";
 const WHOLE: &str = "a whole number from 0";
 
 impl Model {
+    /// Whether a text begins as a model does, perhaps after comments.
+    pub(crate) fn is_text_of_one(text: &str) -> bool {
+        let lines = text.lines().map(str::trim);
+        let mut told = lines.filter(|line| !line.is_empty() && !line.starts_with('#'));
+        told.next().is_some_and(|line| line.starts_with("freeform-model"))
+    }
+
     /// Reads a model from a text; `path` names it in errors.
     ///
     /// # Errors

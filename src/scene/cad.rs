@@ -74,18 +74,17 @@ impl CadModel {
         extension(path) == EXTENSION || is_cad_file(path)
     }
 
-    /// A model with number `number` in its scene, and its surfaces. Faces that cannot be drawn are left out.
+    /// A model of a file with number `number` in its scene, and its surfaces. Faces that cannot be drawn are left out.
     ///
     /// # Errors
-    /// A file that cannot be read, a model without any face that can be drawn.
-    pub(super) fn load(
+    /// A model without any face that can be drawn.
+    pub(super) fn new(
+        model: Model,
         path: &Path,
         number: usize,
         transform: DMat4,
         color: Option<[f32; 3]>,
-        options: &LoadOptions,
     ) -> Result<(Self, Vec<Surface>)> {
-        let model = Model::load(path, options)?;
         let faces: Vec<_> = model
             .drawn_faces()
             .into_iter()

@@ -25,6 +25,7 @@ use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
 use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
+use crate::model::Model;
 use crate::thesis::newton::Newton;
 use crate::trim::{Keep, Trims};
 use trims::{PlacedTrims, TrimPlaces};
@@ -355,8 +356,9 @@ impl Builder<'_> {
         let color = color.transpose()?;
         let transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
             .map_err(|error| self.at(start, error))?;
-        let loaded = self
-            .check(table.file, |_| CadModel::load(&path, number, transform, color, self.options))?;
+        let loaded = self.check(table.file, |_| {
+            CadModel::new(Model::load(&path, self.options)?, &path, number, transform, color)
+        })?;
         self.from_files += loaded.1.len();
         self.files.push(path);
         Ok(loaded)

@@ -14,6 +14,7 @@ mod mesh_colors;
 mod mesh_errors;
 mod mesh_stability;
 mod mesh_triangles;
+mod models;
 mod nurbs;
 mod obj_files;
 mod program_interface;
