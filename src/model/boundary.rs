@@ -11,7 +11,7 @@ use super::chart::{Axis, axes, drawn_surface};
 use super::fit::{Accuracy, Fit};
 use super::projection::breaks;
 use super::sheet::Sheet;
-use super::{DrawnEdge, Face, FaceSurface, PcurveSource};
+use super::{Coedge, DrawnEdge, Face, FaceSurface, PcurveSource};
 use crate::bezier::NurbsSurface;
 use crate::error::{Error, Result};
 use crate::trim::{Keep, Segment, TrimLoop, Trims};
@@ -300,8 +300,16 @@ impl Outline<'_, '_, '_> {
     ) -> Vec<Vec<Segment>> {
         let mut pieces: Vec<Vec<Segment>> = chain.pieces.iter().map(|p| self.piece(p)).collect();
         self.join(chain, &mut pieces);
+        let mut before: Option<&Coedge> = None;
         for (piece, segments) in chain.pieces.iter().zip(&pieces) {
             let Some(edge) = &piece.traced else { continue };
+            // An edge through a pole has two pieces.
+            let is_same = before.is_some_and(|before| std::ptr::eq(before, edge.coedge));
+            before = Some(edge.coedge);
+            if let Some(last) = edges.last_mut().filter(|_| is_same) {
+                last.segments.extend(segments);
+                continue;
+            }
             let source = match (edge.is_of_file, &edge.coedge.pcurve) {
                 (true, _) => PcurveSource::File,
                 (false, None) => PcurveSource::Projected,

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, IVec2};
 
-use super::projection::{Trace, accurate_pcurve};
+use super::projection::{Trace, accurate_pcurve, parts};
 use super::sheet::Sheet;
 use super::{Coedge, Edge, Face, Model};
 use crate::error::{Error, Result};
@@ -64,7 +64,7 @@ pub(super) struct Distances {
 pub(super) fn chain<'a>(
     model: &'a Model,
     face: &'a Face,
-    coedges: &'a [Coedge],
+    coedges: &[&'a Coedge],
     sheet: &'a Sheet<'a>,
     distances: &Distances,
 ) -> Result<Chain<'a>> {
@@ -77,7 +77,7 @@ pub(super) fn chain<'a>(
     let mut joints = Joints { model, face, sheet, middle, distances, pieces: Vec::new() };
     let first = ends(&edges[0])[0];
     let starts: Vec<DVec2> = edges.iter().map(|edge| ends(edge)[0]).collect();
-    let numbers: Vec<usize> = edges.iter().map(|edge| edge.coedge.edge).collect();
+    let uses: Vec<&Coedge> = edges.iter().map(|edge| edge.coedge).collect();
     let count = edges.len();
     let mut cursor = first;
     for (i, mut edge) in edges.into_iter().enumerate() {
@@ -90,8 +90,8 @@ pub(super) fn chain<'a>(
         let ends = ends(&edge).map(|end| end + edge.shift);
         joints.pieces.push(Piece { traced: Some(edge), ends });
         let next = (i + 1) % count;
-        let is_seam = count > 1 && numbers[i] == numbers[next];
-        cursor = joints.join(ends[1], starts[next], [numbers[i], numbers[next]], is_seam)?;
+        let is_seam = uses[i].edge == uses[next].edge && !std::ptr::eq(uses[i], uses[next]);
+        cursor = joints.join(ends[1], starts[next], [uses[i].edge, uses[next].edge], is_seam)?;
     }
     let periods = sheet.periods.map(|period| period.unwrap_or(f64::INFINITY));
     let turns = (cursor - first) / DVec2::from(periods);
@@ -104,35 +104,41 @@ pub(super) fn chain<'a>(
 /// The edges of a loop in the parameters of the surface.
 fn trace<'a>(
     model: &'a Model,
-    coedges: &'a [Coedge],
+    coedges: &[&'a Coedge],
     sheet: &'a Sheet<'a>,
     distances: &Distances,
 ) -> Result<Vec<TracedEdge<'a>>> {
     let mut edges: Vec<TracedEdge<'a>> = Vec::with_capacity(coedges.len());
-    for coedge in coedges {
-        let near = edges.last().map(|edge| ends(edge)[1]);
-        let (trace, is_of_file) = match (&model.edges[coedge.edge].curve, &coedge.pcurve) {
-            (Some(curve), _) => match accurate_pcurve(sheet, coedge, curve, distances.pcurve) {
-                Some(pcurve) => (Trace::of_pcurve(sheet, pcurve), true),
-                None => {
-                    let trace = Trace::of_edge(sheet, curve, coedge.forward, near);
-                    let tolerance = model.edges[coedge.edge].tolerance;
-                    let most = distances.surface.max(100.0 * tolerance);
-                    let distance = trace.distance();
-                    if distance > most {
-                        let name = format!("distance of edge {} from the surface", coedge.edge);
-                        return Err(Error::invalid(name, distance, format!("at most {most}")));
-                    }
-                    (trace, false)
-                }
-            },
-            (None, Some(pcurve)) if is_point(sheet, pcurve, distances) => {
-                (Trace::of_pcurve(sheet, pcurve), true)
+    for &coedge in coedges {
+        let near = |edges: &[TracedEdge<'a>]| edges.last().map(|edge| ends(edge)[1]);
+        let Some(curve) = &model.edges[coedge.edge].curve else {
+            // Without a p-curve, the chain gets a line there.
+            if let Some(pcurve) = coedge.pcurve.as_ref().filter(|p| is_point(sheet, p, distances)) {
+                let trace = Trace::of_pcurve(sheet, pcurve);
+                edges.push(TracedEdge { trace, coedge, shift: DVec2::ZERO, is_of_file: true });
             }
-            // The chain gets a line there.
-            (None, _) => continue,
+            continue;
         };
-        edges.push(TracedEdge { trace, coedge, shift: DVec2::ZERO, is_of_file });
+        if let Some(pcurve) = accurate_pcurve(sheet, coedge, curve, distances.pcurve) {
+            let trace = Trace::of_pcurve(sheet, pcurve);
+            edges.push(TracedEdge { trace, coedge, shift: DVec2::ZERO, is_of_file: true });
+            continue;
+        }
+        let mut parts = parts(sheet, curve);
+        if !coedge.forward {
+            parts.reverse();
+        }
+        let tolerance = model.edges[coedge.edge].tolerance;
+        let most = distances.surface.max(100.0 * tolerance);
+        for range in parts {
+            let trace = Trace::of_edge(sheet, curve, range, coedge.forward, near(&edges));
+            let distance = trace.distance();
+            if distance > most {
+                let name = format!("distance of edge {} from the surface", coedge.edge);
+                return Err(Error::invalid(name, distance, format!("at most {most}")));
+            }
+            edges.push(TracedEdge { trace, coedge, shift: DVec2::ZERO, is_of_file: false });
+        }
     }
     if edges.is_empty() {
         return Err(Error::invalid("loop", "empty", "at least one edge with a curve"));
@@ -291,4 +297,26 @@ impl Chain<'_> {
         }
         inside
     }
+}
+
+/// The edges of a loop, each followed by the one that begins nearest to its end. Edges that are points are left out.
+pub(super) fn sorted<'a>(model: &Model, coedges: &'a [Coedge]) -> Vec<&'a Coedge> {
+    let ends = |coedge: &Coedge| {
+        let curve = model.edges[coedge.edge].curve.as_ref()?;
+        let [first, last] = curve.range.map(|t| curve.curve.at(t)[0]);
+        Some(if coedge.forward { [first, last] } else { [last, first] })
+    };
+    let mut rest: Vec<_> = coedges.iter().filter_map(|c| Some((c, ends(c)?))).collect();
+    let mut sorted: Vec<&Coedge> = Vec::with_capacity(rest.len());
+    let mut cursor = None;
+    while !rest.is_empty() {
+        let next = cursor.map_or(0, |cursor: glam::DVec3| {
+            let far = |i: &usize| rest[*i].1[0].distance_squared(cursor);
+            (0..rest.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
+        });
+        let (coedge, [_, end]) = rest.remove(next);
+        sorted.push(coedge);
+        cursor = Some(end);
+    }
+    sorted
 }

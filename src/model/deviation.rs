@@ -25,7 +25,8 @@ impl Model {
     /// If the drawn face is not that of the face with this number.
     #[must_use]
     pub fn deviation(&self, number: usize, drawn: &DrawnFace) -> Deviation {
-        let sheet = Sheet::new(&self.faces[number].surface, 1e-9 * self.diagonal());
+        let tolerance = 1e-9 * self.diagonal();
+        let sheet = Sheet::new(&self.faces[number].surface, tolerance, 1e3 * tolerance);
         let mut found = Deviation::default();
         for edge in &drawn.edges {
             let Some(curve) = &self.edges[edge.edge].curve else { continue };

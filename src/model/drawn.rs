@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::boundary;
-use super::chain::{Distances, chain};
+use super::chain::{Distances, chain, sorted};
 use super::evaluate::nurbs_at;
 use super::sheet::Sheet;
 use super::{BoundedCurve, Curve, Face, FaceSurface, Model};
@@ -140,22 +140,40 @@ impl Model {
     }
 
     fn draw(&self, face: &Face, diagonal: f64) -> Result<DrawnFace> {
-        let sheet = Sheet::new(&face.surface, FITTED * diagonal);
+        let coedges = || face.loops.iter().flatten();
+        for coedge in coedges() {
+            if coedge.edge >= self.edges.len() {
+                let expected = format!("below {}", self.edges.len());
+                return Err(Error::invalid("number of an edge", coedge.edge, expected));
+            }
+        }
+        // The two sides of a seam may be as far apart as its tolerance.
+        let mut uses: Vec<usize> = coedges().map(|coedge| coedge.edge).collect();
+        uses.sort_unstable();
+        let seams = uses.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+        let closed = seams.map(|edge| self.edges[edge].tolerance).fold(PCURVE * diagonal, f64::max);
+        let sheet = Sheet::new(&face.surface, FITTED * diagonal, closed);
         let distances = Distances {
             diagonal,
             pcurve: PCURVE * diagonal,
             surface: SURFACE * diagonal,
             gap: GAP * diagonal,
         };
+        // Without p-curves of the file.
+        let projected = Distances { pcurve: -1.0, ..distances };
         let mut chains = Vec::with_capacity(face.loops.len());
         for (number, coedges) in face.loops.iter().enumerate() {
-            for coedge in coedges {
-                if coedge.edge >= self.edges.len() {
-                    let expected = format!("below {}", self.edges.len());
-                    return Err(Error::invalid("number of an edge", coedge.edge, expected));
-                }
-            }
-            let chain = chain(self, face, coedges, &sheet, &distances)
+            let in_order: Vec<_> = coedges.iter().collect();
+            let chain = chain(self, face, &in_order, &sheet, &distances)
+                .or_else(|error| {
+                    // The p-curves or the order may be wrong.
+                    chain(self, face, &in_order, &sheet, &projected)
+                        .or_else(|_| {
+                            let sorted = sorted(self, coedges);
+                            chain(self, face, &sorted, &sheet, &projected)
+                        })
+                        .map_err(|_| error)
+                })
                 .map_err(|error| error.within(format!("loop {number}")))?;
             chains.push(chain);
         }

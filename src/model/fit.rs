@@ -19,6 +19,8 @@ pub(super) struct Accuracy {
 /// The part of the accuracy that may be used, because distances are known at samples only.
 const SAFETY: f64 = 0.5;
 const MAX_HALVINGS: u32 = 14;
+/// An edge of more segments is taken as it is: its projection is rough.
+const MAX_SEGMENTS: usize = 2000;
 
 /// A place on an edge in drawn parameters.
 #[derive(Clone, Copy)]
@@ -164,7 +166,7 @@ impl Fit<'_> {
                 && is_near(&thirds[0], 1.0 / 3.0)
                 && is_near(&thirds[1], 2.0 / 3.0)
                 && [0.12, 0.24, 0.76, 0.88].into_iter().all(|share| is_near(&at(share), share));
-            if near || halvings >= MAX_HALVINGS {
+            if near || halvings >= MAX_HALVINGS || segments.len() > MAX_SEGMENTS {
                 segments.push(Segment::Cubic(cubic));
                 return;
             }

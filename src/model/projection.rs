@@ -49,14 +49,15 @@ impl<'a> Trace<'a> {
         Self { sheet, curve: TracedCurve::Pcurve(pcurve), range, samples, limits: [None; 2] }
     }
 
-    /// The projection of an edge. `near` are parameters near its start, or near its end if it is not followed forward.
+    /// The projection of an edge between two of its parameters. `near` are (u, v) near its start, or near its end if it
+    /// is not followed forward.
     pub(super) fn of_edge(
         sheet: &'a Sheet<'a>,
         edge: &'a BoundedCurve,
+        range: [f64; 2],
         forward: bool,
         near: Option<DVec2>,
     ) -> Self {
-        let range = edge.range;
         let mut places = match &edge.curve {
             Curve::Line { .. } => even(range, 8),
             Curve::Circle { .. } | Curve::Ellipse { .. } => {
@@ -313,6 +314,29 @@ pub(super) fn pcurve_distance(
         }
     }
     largest
+}
+
+/// The parts of an edge between the poles of a surface that it goes through.
+pub(super) fn parts(sheet: &Sheet<'_>, edge: &BoundedCurve) -> Vec<[f64; 2]> {
+    const SAMPLES: u32 = 32;
+    let tolerance = 10.0 * sheet.tolerance;
+    let [low, high] = edge.range;
+    let mut ends = vec![low];
+    for pole in sheet.poles() {
+        let distance = |t: &f64| edge.curve.at(*t)[0].distance_squared(*pole);
+        let samples = even(edge.range, SAMPLES).into_iter();
+        let Some(start) = samples.min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+            continue;
+        };
+        let (t, distance) = nearest_on(edge, *pole, start);
+        let is_end = |end: f64| edge.curve.at(end)[0].distance(*pole) <= 10.0 * tolerance;
+        if distance <= tolerance && !is_end(low) && !is_end(high) {
+            ends.push(t);
+        }
+    }
+    ends.push(high);
+    ends.sort_by(f64::total_cmp);
+    ends.windows(2).map(|pair| [pair[0], pair[1]]).collect()
 }
 
 /// The file's p-curve of an edge if it lies within a distance of the edge.

@@ -22,6 +22,8 @@ pub(super) struct Sheet<'a> {
     accepted: Cell<f64>,
     /// Points where searches begin.
     samples: OnceCell<Samples>,
+    /// Points where a parameter has no meaning.
+    poles: OnceCell<Vec<DVec3>>,
 }
 
 /// Points of a surface in rows along u.
@@ -35,16 +37,18 @@ const MIN_SAMPLES: usize = 24;
 const MAX_SAMPLES: usize = 200;
 
 impl<'a> Sheet<'a> {
-    /// Distances in space below `tolerance` do not count.
-    pub(super) fn new(surface: &'a FaceSurface, tolerance: f64) -> Self {
+    /// Distances in space below `tolerance` do not count. Borders of B-splines that are closer than `closed` are the same.
+    pub(super) fn new(surface: &'a FaceSurface, tolerance: f64, closed: f64) -> Self {
         let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
         let turn = (Some(TAU), everywhere);
         let of_curve = |curve: &BoundedCurve| match &curve.curve {
             Curve::Line { .. } => (None, everywhere),
-            Curve::Circle { .. } | Curve::Ellipse { .. } => turn,
+            Curve::Circle { .. } | Curve::Ellipse { .. } => {
+                if curve.range[1] - curve.range[0] > TAU - 1e-9 { turn } else { (None, everywhere) }
+            }
             Curve::Nurbs(nurbs) => {
                 let [low, high] = nurbs.domain();
-                let is_closed = nurbs.at(low)[0].distance(nurbs.at(high)[0]) <= tolerance;
+                let is_closed = nurbs.at(low)[0].distance(nurbs.at(high)[0]) <= closed;
                 (is_closed.then_some(high - low), [low, high])
             }
         };
@@ -58,7 +62,7 @@ impl<'a> Sheet<'a> {
             FaceSurface::Extrusion { curve, .. } => (of_curve(curve), infinite),
             FaceSurface::Nurbs(nurbs) => {
                 let [low, high] = nurbs.domain();
-                let [u, v] = closed(nurbs, 10.0 * tolerance);
+                let [u, v] = closed_directions(nurbs, closed);
                 let period = |is_closed: bool, size: f64| is_closed.then_some(size);
                 let size = high - low;
                 ((period(u, size.x), [low.x, high.x]), (period(v, size.y), [low.y, high.y]))
@@ -71,7 +75,37 @@ impl<'a> Sheet<'a> {
             tolerance,
             accepted: Cell::new(10.0 * tolerance),
             samples: OnceCell::new(),
+            poles: OnceCell::new(),
         }
+    }
+
+    /// The points where the surface is one point for all u or for all v.
+    pub(super) fn poles(&self) -> &[DVec3] {
+        self.poles.get_or_init(|| match self.surface {
+            FaceSurface::Sphere { frame, radius } => {
+                vec![frame.origin + *radius * frame.z, frame.origin - *radius * frame.z]
+            }
+            FaceSurface::Cone { frame, radius, half_angle } => {
+                vec![frame.origin - radius / half_angle.tan() * frame.z]
+            }
+            FaceSurface::Revolution { curve, .. } => {
+                let ends = curve.range.into_iter();
+                let on_axis = ends.filter(|t| self.planar(*t)[0].x <= self.tolerance);
+                on_axis.map(|t| curve.curve.at(t)[0]).collect()
+            }
+            FaceSurface::Nurbs(nurbs) => {
+                let [low, high] = nurbs.domain();
+                let corners = [low, dvec2(high.x, low.y), high, dvec2(low.x, high.y)];
+                let sides = (0..4).map(|i| [corners[i], corners[(i + 1) % 4]]);
+                let at = |uv: DVec2| self.surface.at(uv.x, uv.y).position;
+                let is_pole = |[from, to]: &[DVec2; 2]| {
+                    let mut places = [0.2, 0.4, 0.7, 1.0].into_iter();
+                    places.all(|t| at(from.lerp(*to, t)).distance(at(*from)) <= self.tolerance)
+                };
+                sides.filter(is_pole).map(|[from, _]| at(from)).collect()
+            }
+            _ => Vec::new(),
+        })
     }
 
     /// Point and derivatives. Parameters may be periods off.
@@ -420,7 +454,7 @@ fn places_of_curve(curve: &BoundedCurve) -> Vec<f64> {
 }
 
 /// Whether opposite borders of a surface are the same, along u and along v.
-fn closed(nurbs: &NurbsSurface, tolerance: f64) -> [bool; 2] {
+fn closed_directions(nurbs: &NurbsSurface, tolerance: f64) -> [bool; 2] {
     const PLACES: usize = 17;
     let [low, high] = nurbs.domain();
     let [least, largest] = bounding_box(nurbs.control_points().iter().map(|p| p.truncate()));

@@ -298,6 +298,15 @@ fn spheres() {
         ];
         let loops: Uses<'_> = &[&[(0, true), (1, true), (2, false)]];
         check(&model(surface.clone(), edges, loops, bounds), setting, 2.0 * PI, 0.0);
+        // Half of it, cut along its axis: the edge goes through both poles.
+        for forward in [true, false] {
+            let frame = setting.frame(0.0, 0.9);
+            let frame = Frame { y: frame.z, z: -frame.y, ..frame };
+            let curve = Curve::Circle { frame, radius: 2.0 * s };
+            let edges = vec![Some(BoundedCurve { curve, range: [0.3, 0.3 + TAU] })];
+            let loops: Uses<'_> = &[&[(0, forward)]];
+            check(&model(surface.clone(), edges, loops, bounds), setting, 8.0 * PI, 0.0);
+        }
         // All but a cap around a place on the equator, and that cap.
         for angle in [setting.seam, 1.0] {
             for (forward, height) in [(true, 0.5), (false, 3.5)] {
