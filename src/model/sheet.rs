@@ -476,3 +476,6 @@ fn closed_directions(nurbs: &NurbsSurface, tolerance: f64) -> [bool; 2] {
         }),
     ]
 }
+
+#[cfg(test)]
+mod tests;
