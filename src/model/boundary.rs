@@ -11,8 +11,7 @@ use super::chart::{Axis, axes, drawn_surface};
 use super::fit::{Accuracy, Fit};
 use super::projection::breaks;
 use super::sheet::Sheet;
-use super::{Coedge, DrawnEdge, Face, FaceSurface, PcurveSource};
-use crate::bezier::NurbsSurface;
+use super::{Coedge, DrawnEdge, DrawnFace, Face, FaceSurface, PcurveSource};
 use crate::error::{Error, Result};
 use crate::trim::{Keep, Segment, TrimLoop, Trims};
 
@@ -29,9 +28,6 @@ struct Region<'a, 'b> {
     has_border: bool,
 }
 
-/// The drawn surface of a face, its trims, and its edges in the drawn parameters.
-pub(super) type Drawn = (NurbsSurface, Trims, Vec<DrawnEdge>, [Option<f64>; 2]);
-
 /// Draws a face whose loops are the given chains.
 ///
 /// # Errors
@@ -41,7 +37,7 @@ pub(super) fn drawn<'a>(
     sheet: &Sheet<'a>,
     chains: Vec<Chain<'a>>,
     in_space: f64,
-) -> Result<Drawn> {
+) -> Result<DrawnFace> {
     let mut region = Region {
         sheet,
         chains,
@@ -232,7 +228,7 @@ impl Region<'_, '_> {
         face.bounds[side][axis]
     }
 
-    fn draw(&self, in_space: f64) -> Result<Drawn> {
+    fn draw(&self, in_space: f64) -> Result<DrawnFace> {
         let [low, high] = self.bounds;
         if !(high - low).cmpgt(DVec2::ZERO).all() || !(high - low).is_finite() {
             let value = format!("{low} to {high}");
@@ -271,7 +267,7 @@ impl Region<'_, '_> {
         if self.has_border {
             trims.add_loop(TrimLoop::closed(border(domain), domain[1] - domain[0])?)?;
         }
-        Ok((surface, trims, edges, self.sheet.periods))
+        Ok(DrawnFace { surface, trims, edges, periods: self.sheet.periods })
     }
 }
 

@@ -47,9 +47,7 @@ impl Piece<'_> {
 
 /// Distances that matter for chains of a face.
 pub(super) struct Distances {
-    /// The diagonal of the model.
-    pub(super) diagonal: f64,
-    /// The largest distance of a p-curve of the file from its edge.
+    /// The largest distance of a p-curve of the file from its edge; below 0, p-curves are not used.
     pub(super) pcurve: f64,
     /// The largest distance of an edge from the surface, unless its tolerance is large.
     pub(super) surface: f64,
@@ -155,9 +153,10 @@ fn is_point(
     let [low, high] = pcurve.domain();
     let at = |t: f64| sheet.at(pcurve.at(t)[0]).position;
     let first = at(low);
+    let most = 10.0 * distances.pcurve;
     [0.25, 0.5, 0.75, 1.0]
         .iter()
-        .all(|share| at(low + share * (high - low)).distance(first) <= 1e-5 * distances.diagonal)
+        .all(|share| at(low + share * (high - low)).distance(first) <= most)
 }
 
 /// Where an edge begins and ends in the direction of its loop, without its shift.

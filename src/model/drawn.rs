@@ -5,10 +5,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::boundary;
-use super::chain::{Distances, chain, sorted};
+use super::chain::{Chain, Distances, chain, sorted};
 use super::evaluate::nurbs_at;
 use super::sheet::Sheet;
-use super::{BoundedCurve, Curve, Face, FaceSurface, Model};
+use super::{BoundedCurve, Coedge, Curve, Face, FaceSurface, Model};
 use crate::bezier::{NurbsSurface, bounding_box};
 use crate::error::{Error, Result};
 use crate::trim::{Segment, Trims};
@@ -154,32 +154,40 @@ impl Model {
         let closed = seams.map(|edge| self.edges[edge].tolerance).fold(PCURVE * diagonal, f64::max);
         let sheet = Sheet::new(&face.surface, FITTED * diagonal, closed);
         let distances = Distances {
-            diagonal,
             pcurve: PCURVE * diagonal,
             surface: SURFACE * diagonal,
             gap: GAP * diagonal,
         };
-        // Without p-curves of the file.
-        let projected = Distances { pcurve: -1.0, ..distances };
-        let mut chains = Vec::with_capacity(face.loops.len());
-        for (number, coedges) in face.loops.iter().enumerate() {
-            let in_order: Vec<_> = coedges.iter().collect();
-            let chain = chain(self, face, &in_order, &sheet, &distances)
-                .or_else(|error| {
-                    // The p-curves or the order may be wrong.
-                    chain(self, face, &in_order, &sheet, &projected)
-                        .or_else(|_| {
-                            let sorted = sorted(self, coedges);
-                            chain(self, face, &sorted, &sheet, &projected)
-                        })
-                        .map_err(|_| error)
-                })
-                .map_err(|error| error.within(format!("loop {number}")))?;
-            chains.push(chain);
+        // The p-curves of the file may be wrong, and the order of the edges.
+        let projected = Distances { pcurve: f64::NEG_INFINITY, ..distances };
+        let attempts = [(false, &distances), (false, &projected), (true, &projected)];
+        let mut first_error = None;
+        for (is_sorted, distances) in attempts {
+            let drawn = self
+                .chains(face, &sheet, is_sorted, distances)
+                .and_then(|chains| boundary::drawn(face, &sheet, chains, FITTED * diagonal));
+            match drawn {
+                Ok(drawn) => return Ok(drawn),
+                Err(error) => first_error = first_error.or(Some(error)),
+            }
         }
-        let (surface, trims, edges, periods) =
-            boundary::drawn(face, &sheet, chains, FITTED * diagonal)?;
-        Ok(DrawnFace { surface, trims, edges, periods })
+        Err(first_error.unwrap_or_else(|| Error::invalid("face", "not drawn", "closed loops")))
+    }
+
+    /// The loops of a face in the parameters of its surface.
+    fn chains<'a>(
+        &'a self,
+        face: &'a Face,
+        sheet: &'a Sheet<'a>,
+        is_sorted: bool,
+        distances: &Distances,
+    ) -> Result<Vec<Chain<'a>>> {
+        let chain = |(number, coedges): (usize, &'a Vec<Coedge>)| {
+            let coedges = if is_sorted { sorted(self, coedges) } else { coedges.iter().collect() };
+            chain(self, face, &coedges, sheet, distances)
+                .map_err(|error| error.within(format!("loop {number}")))
+        };
+        face.loops.iter().enumerate().map(chain).collect()
     }
 
     /// All faces as they are drawn, in their order, by several threads.

@@ -147,6 +147,20 @@ fn check(model: &Model, setting: Setting, area: f64, off: f64) {
         "{setting:?}: {found} is not {area}\n{:?}",
         face.trims.loops
     );
+    // The trims as the renderer reads them, by samples.
+    const SIDE: u32 = 60;
+    let [low, high] = face.surface.domain();
+    let (mut all, mut kept) = (0.0, 0.0);
+    for i in 0..SIDE * SIDE {
+        let share = (dvec2(f64::from(i % SIDE), f64::from(i / SIDE)) + 0.5) / f64::from(SIDE);
+        let place = low + share * (high - low);
+        let at = face.surface.at(place.x, place.y);
+        let part = at.du.cross(at.dv).length() * (high - low).element_product();
+        all += part / f64::from(SIDE * SIDE);
+        kept += if face.trims.cut(place) { 0.0 } else { part / f64::from(SIDE * SIDE) };
+    }
+    let [all, kept] = [all, kept].map(|sum| sum / (setting.scale * setting.scale));
+    assert!((kept - area).abs() < 0.01 * all, "{setting:?}: {kept} is not {area}");
     for edge in &face.edges {
         let curve = model.edges[edge.edge].curve.as_ref().unwrap();
         for segment in &edge.segments {
