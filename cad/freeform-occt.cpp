@@ -7,6 +7,7 @@
 //   TEXT                anything else worth knowing
 
 #include "face.h"
+#include "iges.h"
 #include "model.h"
 #include "text.h"
 
@@ -87,9 +88,6 @@ private:
     int percent = 0;
 };
 
-/// The column of the letter of a line's section in an IGES file; T is the last section.
-static const size_t IGES_SECTION = 72;
-
 static const char NO_SHAPES[] = "it has no shapes that OCCT can read";
 
 enum class Kind { Step, Iges, Brep };
@@ -139,17 +137,6 @@ static void log_unread(const Interface_CheckIterator& checks) {
     if (count > 0) log("warning: entities that were not read: " + std::to_string(count) + "; the first: " + first);
 }
 
-/// Refuses an IGES file whose last section is missing.
-static void check_is_complete(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::string line, last;
-    while (std::getline(file, line)) {
-        if (line.find_first_not_of(" \r") != std::string::npos) last.swap(line);
-    }
-    const bool is_complete = last.size() > IGES_SECTION && last[IGES_SECTION] == 'T';
-    if (!is_complete) throw std::runtime_error("it is no complete IGES file");
-}
-
 static void check_status(IFSelect_ReturnStatus status, const char* kind) {
     if (status != IFSelect_RetDone) throw std::runtime_error(std::string("it is no complete ") + kind + " file");
 }
@@ -187,7 +174,8 @@ static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
         reader.SetColorMode(true);
         reader.SetNameMode(true);
         reader.SetLayerMode(false);
-        check_status(reader.ReadFile(path.c_str()), "IGES");
+        TemporaryFile copy;
+        check_status(reader.ReadFile(copy.renumbered(path).c_str()), "IGES");
         log_faults(reader.WS()->Model());
         if (!reader.Transfer(document, progress->Start())) throw std::runtime_error(NO_SHAPES);
         log_unread(reader.WS()->TransferReader()->LastCheckList());
