@@ -1,8 +1,8 @@
 //! The part of the plane of parameters that the loops of a face bound, as trims of the drawn surface.
 //!
-//! Trims fill by even-odd within the domain of the drawn surface. A loop that goes around a closed surface once does not
-//! close there: it is repeated until it crosses the domain and closed along the domain's high border. Such loops then
-//! bound the right side if the topmost one has the face above it; else the border of the domain is added.
+//! Trims fill by even-odd within the domain of the drawn surface. A loop that goes around a closed surface once does
+//! not close there: it is repeated until it crosses the domain and closed along the domain's high border. A single such
+//! loop that has the face below it needs the border of the domain as another loop.
 
 use glam::{DVec2, dvec2};
 

@@ -37,7 +37,8 @@ const MIN_SAMPLES: usize = 24;
 const MAX_SAMPLES: usize = 200;
 
 impl<'a> Sheet<'a> {
-    /// Distances in space below `tolerance` do not count. Borders of B-splines that are closer than `closed` are the same.
+    /// Distances in space below `tolerance` do not count. Borders of B-splines that are closer than `closed` are the
+    /// same.
     pub(super) fn new(surface: &'a FaceSurface, tolerance: f64, closed: f64) -> Self {
         let everywhere = [f64::NEG_INFINITY, f64::INFINITY];
         let turn = (Some(TAU), everywhere);
@@ -435,7 +436,7 @@ fn places(knots: &[f64], degree: usize) -> Vec<f64> {
     let mut ends = knots[degree..knots.len() - degree].to_vec();
     ends.dedup();
     let spans = ends.len() - 1;
-    let each = MIN_SAMPLES.div_ceil(spans).max(degree).min((MAX_SAMPLES / spans).max(2));
+    let each = MIN_SAMPLES.div_ceil(spans).max(degree).min((MAX_SAMPLES / spans).max(1));
     let within = |i: usize, pair: &[f64]| pair[0] + (pair[1] - pair[0]) * i as f64 / each as f64;
     let inside = ends.windows(2).flat_map(|pair| (0..each).map(move |i| within(i, pair)));
     inside.chain([ends[spans]]).collect()
