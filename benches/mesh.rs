@@ -136,8 +136,7 @@ fn memory() {
 fn scene_of(mesh: &Mesh, smoothing: Smoothing, tessellation: Tessellation) -> Scene {
     let model = MeshModel::new(mesh.clone(), smoothing);
     let settings = RenderSettings { tessellation, ..RenderSettings::default() };
-    let (surfaces, meshes, files) = (Vec::new(), vec![model], Vec::new());
-    Scene { files, camera: None, up: DVec3::Y, settings, surfaces, meshes }
+    Scene { settings, meshes: vec![model], ..Scene::default() }
 }
 
 /// Still frames at level 3, which makes 13 triangles of each. They are compared with the nine triangles of a
