@@ -122,3 +122,35 @@ fn files_that_are_cut_off_or_something_else_are_errors() {
         assert!(message.contains(expected) && message.lines().count() == 1, "{name}: {message}");
     }
 }
+
+#[test]
+fn damaged_step_files_are_one_line_each() {
+    let path = self::folder().join("as1-oc-214.stp");
+    let Ok(text) = std::fs::read(&path) else {
+        eprintln!("left out: {} is absent", path.display());
+        return;
+    };
+    let text = String::from_utf8_lossy(&text);
+    let data = text.find("DATA;").unwrap() + 5;
+    // The first use of a product in an assembly becomes a use of the assembly in itself.
+    let (before, used) = text.split_once("NEXT_ASSEMBLY_USAGE_OCCURRENCE(").unwrap();
+    let values: Vec<&str> = used.splitn(6, ',').collect();
+    let [id, name, text_of, assembly, _, rest] = values[..] else { panic!("{values:?}") };
+    let contains_itself = format!(
+        "{before}NEXT_ASSEMBLY_USAGE_OCCURRENCE({id},{name},{text_of},{assembly},{assembly},{rest}"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text, expected) in [
+        ("itself", contains_itself, ""),
+        ("half", text[..text.len() / 2].to_owned(), "it is no complete STEP file"),
+        ("nothing", format!("{}\nENDSEC;\nEND-ISO-10303-21;\n", &text[..data]), "it has no shapes"),
+        ("quotes", text.replacen('\'', "", 4001), ""),
+    ] {
+        let path = folder.path().join(format!("{name}.stp"));
+        std::fs::write(&path, &text).unwrap();
+        let Some(result) = model_of(&path) else { return };
+        let message = result.expect_err(name);
+        assert!(message.contains(expected) && message.contains(name), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+    }
+}
