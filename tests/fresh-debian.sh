@@ -17,7 +17,7 @@ if [ "${1:-}" = --zink ]; then
     zink=1
     shift
 fi
-command=${1:-'sh setup.sh tests && cargo test --release --no-fail-fast'}
+command=${1:-'sh setup.sh tests && sh setup.sh cad && cargo test --release --no-fail-fast'}
 [ "$(id -u)" = 0 ] || { echo "fresh-debian.sh: it must run as root, for chroot" >&2; exit 1; }
 project=$(cd "$(dirname "$0")/.." && pwd)
 caches=${XDG_CACHE_HOME:-$HOME/.cache}
