@@ -1,6 +1,6 @@
 //! `freeform info FILE`: what a CAD model consists of, and how well its edges lie on its faces.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use freeform_surface::LoadOptions;
@@ -44,9 +44,7 @@ pub(super) fn print(path: &Path, options: &LoadOptions) -> Result<()> {
     )?;
     line("  area", format!("{} {unit}²", digits(had().map(DrawnFace::area).sum())))?;
     edges(&model, &line)?;
-    let deviations: Vec<Option<Deviation>> =
-        (0..faces.len()).map(|face| Some(model.deviation(face, drawn(face)?))).collect();
-    p_curves(&model, &faces, &deviations, &unit, &line)?;
+    p_curves(&model, &faces, &unit, &line)?;
     let left_out = faces.iter().filter_map(|face| face.as_ref().err());
     let count = left_out.clone().count();
     for error in left_out.take(MOST) {
@@ -84,13 +82,13 @@ fn edges(model: &Model, line: &impl Fn(&str, String) -> Result<()>) -> Result<()
 fn p_curves(
     model: &Model,
     faces: &[freeform_surface::Result<DrawnFace>],
-    deviations: &[Option<Deviation>],
     unit: &Unit,
     line: &impl Fn(&str, String) -> Result<()>,
 ) -> Result<()> {
-    let drawn = faces.iter().filter_map(|face| face.as_ref().ok());
+    let drawn =
+        || faces.iter().enumerate().filter_map(|(face, of)| Some((face, of.as_ref().ok()?)));
     let from = |source: PcurveSource| {
-        drawn.clone().flat_map(|face| &face.edges).filter(|edge| edge.source == source).count()
+        drawn().flat_map(|(_, face)| &face.edges).filter(|edge| edge.source == source).count()
     };
     line(
         "p-curves",
@@ -104,24 +102,29 @@ fn p_curves(
     let diagonal = model.diagonal();
     let length =
         |length: f64| format!("{length:.2e} {unit} ({:.1e} of the diagonal)", length / diagonal);
-    let largest =
-        |of: fn(&Deviation) -> f64| deviations.iter().flatten().map(of).fold(0.0, f64::max);
-    let [drawn_apart, apart] = [largest(|found| found.edges), largest(|found| found.surface)];
-    line("  furthest off the edge", length(drawn_apart))?;
-    line("edges off surfaces", length(apart))?;
-    line("largest gap at an edge", format!("at most {}", length(2.0 * drawn_apart)))?;
-    let mut off: Vec<(usize, f64)> = deviations
-        .iter()
-        .enumerate()
-        .filter_map(|(face, found)| Some((face, found.as_ref()?.surface)))
-        .filter(|(_, apart)| *apart > NAMED * diagonal)
+    let mut found: Vec<(usize, Deviation)> = drawn()
+        .flat_map(|(face, of)| {
+            model.deviations(face, of, diagonal).into_iter().map(move |found| (face, found))
+        })
         .collect();
-    off.sort_by(|a, b| b.1.total_cmp(&a.1));
-    for (face, apart) in off.iter().take(MOST) {
-        line(&format!("  of face {face}"), length(*apart))?;
+    let largest =
+        |of: fn(&Deviation) -> f64| found.iter().map(|(_, found)| of(found)).fold(0.0, f64::max);
+    line("  furthest off the edge", length(largest(|found| found.drawn)))?;
+    // Two faces at an edge are no further apart than both are from it.
+    let mut gaps: HashMap<usize, Vec<f64>> = HashMap::new();
+    for (_, found) in &found {
+        gaps.entry(found.edge).or_default().push(found.drawn);
     }
-    if off.len() > MOST {
-        line("  of", format!("{} more faces", off.len() - MOST))?;
+    let gap = gaps.values().filter(|sides| sides.len() > 1).map(|sides| sides.iter().sum());
+    line("largest gap at an edge", format!("at most {}", length(gap.fold(0.0, f64::max))))?;
+    line("edges off surfaces", length(largest(|found| found.surface)))?;
+    found.retain(|(_, found)| found.surface > NAMED * diagonal);
+    found.sort_by(|a, b| b.1.surface.total_cmp(&a.1.surface));
+    for (face, Deviation { edge, surface, .. }) in found.iter().take(MOST) {
+        line(&format!("  edge {edge}, face {face}"), length(*surface))?;
+    }
+    if found.len() > MOST {
+        line("  ", format!("{} more edges", found.len() - MOST))?;
     }
     Ok(())
 }

@@ -6,12 +6,14 @@ use super::projection::nearest_on;
 use super::sheet::Sheet;
 use super::{BoundedCurve, DrawnEdge, DrawnFace, Model};
 
-/// Largest distances in space of the edges of a face.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// Largest distances in space of an edge of a face.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
-    /// Of the drawn edges from their curves.
-    pub edges: f64,
-    /// Of the curves from the face's surface.
+    /// The number of the edge.
+    pub edge: usize,
+    /// Of the drawn edge from its curve.
+    pub drawn: f64,
+    /// Of the curve from the face's surface.
     pub surface: f64,
 }
 
@@ -19,18 +21,18 @@ pub struct Deviation {
 const PLACES: usize = 200;
 
 impl Model {
-    /// How far the edges of a face are from their curves, by 200 places on each.
+    /// How far the edges of a face are from their curves, by 200 places on each. Edges that are a point are left out.
+    /// `diagonal` is [`Model::diagonal`].
     ///
     /// # Panics
     /// If the drawn face is not that of the face with this number.
     #[must_use]
-    pub fn deviation(&self, number: usize, drawn: &DrawnFace) -> Deviation {
-        let tolerance = 1e-9 * self.diagonal();
+    pub fn deviations(&self, number: usize, drawn: &DrawnFace, diagonal: f64) -> Vec<Deviation> {
+        let tolerance = 1e-9 * diagonal;
         let sheet = Sheet::new(&self.faces[number].surface, tolerance, 1e3 * tolerance);
-        let mut found = Deviation::default();
-        for edge in &drawn.edges {
-            let Some(curve) = &self.edges[edge.edge].curve else { continue };
-            found.edges = found.edges.max(of_edge(drawn, edge, curve));
+        let of = |edge: &DrawnEdge| {
+            let curve = self.edges[edge.edge].curve.as_ref()?;
+            let mut surface: f64 = 0.0;
             let mut near = None;
             for i in 0..=PLACES {
                 let share = i as f64 / PLACES as f64;
@@ -38,10 +40,11 @@ impl Model {
                 let point = curve.curve.at(low + share * (high - low))[0];
                 let uv = sheet.nearest(point, near);
                 near = Some(uv);
-                found.surface = found.surface.max(sheet.at(uv).position.distance(point));
+                surface = surface.max(sheet.at(uv).position.distance(point));
             }
-        }
-        found
+            Some(Deviation { edge: edge.edge, drawn: of_edge(drawn, edge, curve), surface })
+        };
+        drawn.edges.iter().filter_map(of).collect()
     }
 }
 

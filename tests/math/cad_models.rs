@@ -49,9 +49,13 @@ fn drawn(model: &Model, name: &str) -> Vec<DrawnFace> {
 fn check_edges(model: &Model, faces: &[DrawnFace], name: &str) {
     let diagonal = model.diagonal();
     for (number, face) in faces.iter().enumerate() {
-        let deviation = model.deviation(number, face);
-        let most = MAX_DISTANCE.mul_add(diagonal, 1.1 * deviation.surface);
-        assert!(deviation.edges <= most, "{name}: face {number}: {deviation:?}, size {diagonal}");
+        for deviation in model.deviations(number, face, diagonal) {
+            let most = MAX_DISTANCE * diagonal + deviation.surface;
+            assert!(
+                deviation.drawn <= most,
+                "{name}: face {number}: {deviation:?}, size {diagonal}"
+            );
+        }
     }
 }
 
