@@ -28,6 +28,6 @@ mkdir -p build
 # Under another name until it is complete.
 # shellcheck disable=SC2086 # several words
 ${CXX:-c++} -std=c++17 -O2 -Wall -Wextra -Werror -isystem "$include" ./*.cpp -o build/unfinished \
-    $readers -lTKXSBase -lTKXCAF -lTKLCAF -lTKCDF -lTKTopAlgo \
+    $readers -lTKXSBase -lTKXCAF -lTKLCAF -lTKCDF -lTKMesh -lTKTopAlgo \
     -lTKBRep -lTKGeomBase -lTKG3d -lTKG2d -lTKMath -lTKernel
 mv build/unfinished $program

@@ -8,6 +8,7 @@
 
 #include "face.h"
 #include "iges.h"
+#include "mesh.h"
 #include "model.h"
 #include "text.h"
 
@@ -42,16 +43,18 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <stdexcept>
 #include <string>
 
 static const char USAGE[] =
-    "usage: freeform-occt [--area] FILE\n"
+    "usage: freeform-occt [--area | --mesh DEFLECTION] FILE\n"
     "Writes a .step, .stp, .p21, .iges, .igs, .brep or .brp file as a model (docs/model-format.md);\n"
-    "with --area, the area of each face and their sum instead.\n";
+    "with --area, the area of each face and their sum instead; with --mesh, how OCCT meshes it.\n";
 
 /// A message of OCCT without the asterisks and line ends around it.
 static std::string one_line(std::string message) {
@@ -191,7 +194,7 @@ static void read(const std::string& path, const Handle(TDocStd_Document)& to) {
     }
 }
 
-static void run(const std::string& path, Content content, std::FILE* output) {
+static void run(const std::string& path, Content content, double deflection, std::FILE* output) {
     kind_of(path);
     check_readable(path);
     // Names that OCCT makes up are worth nothing.
@@ -200,16 +203,22 @@ static void run(const std::string& path, Content content, std::FILE* output) {
     XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
     read(path, document);
     log("progress 100");
-    ModelWriter(document, content, output).write();
+    if (deflection > 0.0) write_mesh(document, deflection, output);
+    else ModelWriter(document, content, output).write();
     if (std::fflush(output) != 0) throw std::runtime_error("the model cannot be written");
 }
 
 int main(int argc, char** argv) {
     Content content = Content::Model;
+    // Above 0 if the file is to be meshed.
+    double deflection = 0.0;
     std::string path;
     for (int index = 1; index < argc; ++index) {
         if (std::strcmp(argv[index], "--area") == 0) content = Content::Areas;
-        else if (path.empty()) path = argv[index];
+        else if (std::strcmp(argv[index], "--mesh") == 0 && index + 2 < argc) {
+            deflection = std::strtod(argv[++index], nullptr);
+            if (!(deflection > 0.0 && std::isfinite(deflection))) path.clear(), index = argc;
+        } else if (path.empty()) path = argv[index];
         else path.clear(), index = argc;
     }
     if (path.empty()) {
@@ -228,7 +237,7 @@ int main(int argc, char** argv) {
     Message::DefaultMessenger()->AddPrinter(first_error);
     std::string error;
     try {
-        run(path, content, output);
+        run(path, content, deflection, output);
     } catch (const Standard_Failure& failure) {
         error = message_of(failure);
     } catch (const std::exception& failure) {
