@@ -218,6 +218,11 @@ struct ReportArguments {
     #[arg(long, value_name = "SECTION")]
     only: Vec<Topic>,
 
+    /// A CAD model to measure in the section of models beside the project's own; may be given several times. STEP,
+    /// IGES and BREP files are also meshed by OCCT and shown by F3D, where these are installed.
+    #[arg(long = "model", value_name = "FILE")]
+    models: Vec<PathBuf>,
+
     /// Write a page and its data, or only the data to standard output.
     #[arg(long, value_name = "FORMAT", default_value = "html")]
     format: ReportFormat,

@@ -25,7 +25,7 @@ use crate::bezier::NurbsSurface;
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
 pub use deviation::Deviation;
 pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
-pub use import::{ImportOptions, import, is_cad_file};
+pub use import::{ImportOptions, find_helper, import, is_cad_file};
 pub use instances::Instance;
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.

@@ -128,7 +128,7 @@ impl Scene {
             "bpt" => Self::from_bpt(&read_text(path)?, path)?,
             "obj" => Self::of_obj(path, options)?,
             _ if CadModel::is_file_of_one(path) => {
-                Self::of_model(Model::load(path, options)?, path)?
+                Self::from_model(Model::load(path, options)?, path)?
             }
             // A missing file, or a folder, is reported first.
             other => {
@@ -155,7 +155,7 @@ impl Scene {
         let mut scene = if text.trim_start().starts_with(|first: char| first.is_ascii_digit()) {
             Self::from_bpt(text, name)?
         } else if Model::is_text_of_one(text) {
-            Self::of_model(Model::from_text(text, name)?, name)?
+            Self::from_model(Model::from_text(text, name)?, name)?
         } else if obj::is_obj(text) {
             let crease = options.crease.unwrap_or_default();
             Self::with_obj(obj::parse(text, name, crease, Smoothing::None)?, name)
@@ -216,8 +216,12 @@ impl Scene {
         Self { files, surfaces, meshes, ..Self::empty(path) }
     }
 
-    /// A CAD model alone: z upright, seen isometrically.
-    fn of_model(model: Model, path: &Path) -> Result<Self> {
+    /// A CAD model alone: z upright, seen isometrically. `path` is the file that it was read from; a model made in code
+    /// may have any name.
+    ///
+    /// # Errors
+    /// A model without any face that can be drawn.
+    pub fn from_model(model: Model, path: &Path) -> Result<Self> {
         let (model, surfaces) = CadModel::new(model, path, 0, DMat4::IDENTITY, None)?;
         let (up, viewpoint) = (DVec3::Z, Viewpoint::Isometric);
         Ok(Self { models: vec![model], surfaces, up, viewpoint, ..Self::empty(path) })

@@ -4,6 +4,7 @@ mod advice;
 #[cfg(test)]
 mod answers;
 mod bench;
+mod models;
 mod page;
 mod peers;
 mod plot;
@@ -46,6 +47,8 @@ pub(super) enum Topic {
     Stability,
     /// Other tessellators.
     Peers,
+    /// CAD models.
+    Models,
 }
 
 impl Topic {
@@ -57,6 +60,7 @@ impl Topic {
             Self::Scaling => scaling::section(bench),
             Self::Stability => stability::section(bench),
             Self::Peers => peers::section(bench),
+            Self::Models => models::section(bench),
         }
     }
 }
@@ -129,6 +133,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<()> {
         arguments.quick,
         bar.clone(),
     )?;
+    bench.models.clone_from(&arguments.models);
     let mut sections = Vec::with_capacity(topics.len());
     for (number, topic) in topics.iter().enumerate() {
         bar.set_prefix(format!("section {} of {}", number + 1, topics.len()));
@@ -180,6 +185,9 @@ fn command(arguments: &ReportArguments) -> String {
     }
     if arguments.resources != default_resources() {
         command.push_str(&format!(" --resources {}", arguments.resources.display()));
+    }
+    for model in &arguments.models {
+        command.push_str(&format!(" --model {}", model.display()));
     }
     for topic in &arguments.only {
         let name = topic.to_possible_value();

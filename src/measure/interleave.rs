@@ -12,8 +12,12 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// The statistics of some durations, of which there must be at least one.
-    fn of(mut times: Vec<Duration>) -> Self {
+    /// The statistics of some durations.
+    ///
+    /// # Panics
+    /// Without any duration.
+    #[must_use]
+    pub fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
         let at = |share: usize| times[share * (times.len() - 1) / 4].as_secs_f64() * 1e3;
         Self { ms: at(2), spread: (at(3) - at(1)) / at(2).max(f64::MIN_POSITIVE) }

@@ -62,8 +62,9 @@ pub fn import(path: &Path, options: &ImportOptions, progress: impl FnMut(f64)) -
         .map_err(|cause| Error::file("read", path, cause))
 }
 
-/// The helper that the environment variable names, or else the first that is there.
-fn find_helper() -> Option<PathBuf> {
+/// The helper program that [`ImportOptions::helper`] describes, if it is there.
+#[must_use]
+pub fn find_helper() -> Option<PathBuf> {
     if let Some(helper) = std::env::var_os(VARIABLE).filter(|helper| !helper.is_empty()) {
         return Some(helper.into());
     }

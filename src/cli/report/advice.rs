@@ -1,5 +1,6 @@
 //! Conclusions from the rows: which method to use when, and where a peer is faster.
 
+use super::models;
 use super::peers::{LIBGLU, STATIC};
 use super::row::{Row, half_a_pixel, trims};
 
@@ -10,6 +11,7 @@ pub(super) fn advice(rows: &[&Row]) -> Vec<String> {
     lines.extend(trimmed(rows));
     lines.extend(meshes(rows));
     lines.extend(losses(rows));
+    lines.extend(models::first_lines(rows));
     lines
 }
 

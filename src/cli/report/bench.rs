@@ -33,6 +33,8 @@ pub(super) struct Bench {
     pub(super) turns: usize,
     pub(super) quick: bool,
     resources: PathBuf,
+    /// CAD models to measure beside the project's own.
+    pub(super) models: Vec<PathBuf>,
     bar: ProgressBar,
 }
 
@@ -79,6 +81,7 @@ impl Bench {
             turns: if quick { 5 } else { 9 },
             quick,
             resources,
+            models: Vec::new(),
             bar,
         })
     }
@@ -186,6 +189,27 @@ impl Bench {
             })?;
             Ok(told.max(drawn))
         })
+    }
+
+    /// The times of a scene's first picture by a new renderer: until everything is uploaded and planned, for the
+    /// shaders, and for the frame without them. The shaders' is that of the first draw beyond that of the second.
+    pub(super) fn first_picture(&self, scene: &Scene) -> Result<[Duration; 3]> {
+        self.picture.bind();
+        let gl = self.context.gl();
+        let start = Instant::now();
+        let frame = self.frame(scene);
+        let mut renderer = Renderer::new(gl)?;
+        let mut prepared = PreparedScene::new(&renderer, scene)?;
+        prepared.prepare(&renderer, &frame)?;
+        let uploaded = start.elapsed();
+        let mut draw = || -> Result<Duration> {
+            let start = Instant::now();
+            let _ = prepared.draw(&mut renderer, &frame)?;
+            gl.finish();
+            Ok(start.elapsed())
+        };
+        let (first, second) = (draw()?, draw()?);
+        Ok([uploaded, first.saturating_sub(second), second.min(first)])
     }
 
     /// The AOVs of a scene's picture, and its statistics.

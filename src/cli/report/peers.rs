@@ -1,7 +1,10 @@
 //! Section 6: the same view drawn by other means: libGLU's NURBS tessellator, and a static mesh as the lower
 //! bound of the cost.
 
+pub(super) mod f3d;
 mod glu;
+pub(super) mod occt;
+pub(super) mod process;
 
 use std::collections::HashMap;
 
@@ -154,7 +157,7 @@ fn fill(
 }
 
 /// The triangles that a frame draws, indexed so that each vertex of a patch occurs once.
-fn indexed(corners: &[DrawnVertex], view: DMat4) -> (Vec<StaticVertex>, Vec<u32>) {
+pub(super) fn indexed(corners: &[DrawnVertex], view: DMat4) -> (Vec<StaticVertex>, Vec<u32>) {
     let to_world = view.inverse();
     let mut numbers = HashMap::new();
     let (mut vertices, mut indices) = (Vec::new(), Vec::with_capacity(corners.len()));

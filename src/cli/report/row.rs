@@ -33,7 +33,7 @@ pub(super) struct Row {
     pub(super) silhouette_pixels: Option<usize>,
     /// The largest distance from the ideal surface, in the model's units.
     pub(super) max_error: Option<f64>,
-    /// The bytes by which the process grew.
+    /// The bytes by which the process grew; for a whole program, the most that it held.
     pub(super) memory: Option<u64>,
     /// The error, in words.
     pub(super) note: Option<String>,

@@ -13,6 +13,7 @@ use glam::{DVec3, DVec4, dvec2, dvec3};
 
 use super::Section;
 use super::bench::Bench;
+use super::peers::process::peak;
 use super::plot::{Line, plot};
 use super::row::Row;
 
@@ -78,10 +79,7 @@ fn memory_from_here() -> Option<u64> {
 
 /// The process' memory peak in bytes since the last reset.
 fn most_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(1024 * kilobytes)
+    peak("/proc/self/status")
 }
 
 /// A field of bumps as wide as the picture.
