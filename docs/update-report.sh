@@ -4,7 +4,8 @@
 set -eu
 cd "$(dirname "$0")/.."
 out=target/report
-cargo run --release -- report --out "$out" --only tessellation --only trimming --only peers
+cargo run --release -- report --out "$out" --only tessellation --only trimming --only peers \
+    --only models
 cp "$out/summary.svg" docs/report.svg
 awk -v table="$out/summary.md" -v date="$(date +%F)" '
     /^<!-- end of the report -->$/ { inside = 0 }

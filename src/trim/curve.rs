@@ -233,10 +233,10 @@ fn approximate(points: &[DVec3], digits: f64, halvings: u32, segments: &mut Vec<
         segments.push(Segment::Line([start, end]));
         return;
     }
-    let cubic = cubics(points)
-        .into_iter()
-        .flatten()
-        .find(|(cubic, inner)| distance_bound(points, cubic, inner) <= 0.9 * tolerance);
+    let cubic = cubics(points).into_iter().flatten().find(|(cubic, inner)| {
+        sampled_distance(points, cubic, inner) <= tolerance
+            && distance_bound(points, cubic, inner) <= 0.9 * tolerance
+    });
     if let Some((cubic, _)) = cubic {
         segments.push(Segment::Cubic(cubic));
         return;
@@ -246,6 +246,9 @@ fn approximate(points: &[DVec3], digits: f64, halvings: u32, segments: &mut Vec<
     approximate(&before, digits, halvings + 1, segments);
     approximate(&after, digits, halvings + 1, segments);
 }
+
+/// Newton's method ends at steps below this. The bound of the distance holds for any result.
+const CONVERGED: f64 = 1e-12;
 
 /// A cubic and the parameters on the curve that its parameters correspond to, a polynomial in Bernstein form.
 type Candidate = ([DVec2; 4], [f64; 6]);
@@ -294,6 +297,9 @@ fn fitted(
         if !by.iter().all(|by| (0.1..10.0).contains(by)) {
             return None;
         }
+        if change.iter().all(|change| change.abs() < CONVERGED) {
+            break;
+        }
     }
     let cubic = cubic(by);
     let fit = Segment::Cubic(cubic);
@@ -315,12 +321,12 @@ fn fitted(
 
 /// The point of a curve and its derivative.
 fn with_derivative(points: &[DVec3], t: f64) -> [DVec2; 2] {
-    let mut blended = points.to_vec();
-    while blended.len() > 2 {
-        for i in 0..blended.len() - 1 {
+    let mut blended = [DVec3::ZERO; Degree::MAX + 1];
+    blended[..points.len()].copy_from_slice(points);
+    for count in (2..points.len()).rev() {
+        for i in 0..count {
             blended[i] = blended[i].lerp(blended[i + 1], t);
         }
-        blended.pop();
     }
     let degree = (points.len() - 1) as f64;
     let point = blended[0].lerp(blended[1], t);
@@ -338,8 +344,22 @@ fn nearest(points: &[DVec3], target: DVec2, mut t: f64) -> f64 {
             break;
         }
         t = (t + step).clamp(0.0, 1.0);
+        if step.abs() < CONVERGED {
+            break;
+        }
     }
     t
+}
+
+/// The largest distance that [`distance_bound`] bounds, at a few parameters. It is found in a fraction of the time.
+fn sampled_distance(points: &[DVec3], cubic: &[DVec2; 4], inner: &[f64; 6]) -> f64 {
+    let fit = Segment::Cubic(*cubic);
+    let distance = |t: f64| {
+        let on_curve = (0..6).map(|i| inner[i] * crate::bezier::bernstein(5, i, t)).sum();
+        let [position, _] = with_derivative(points, on_curve);
+        position.distance(fit.point(t))
+    };
+    [0.2, 0.5].map(distance).into_iter().fold(0.0, f64::max)
 }
 
 /// An upper bound of the distance between a curve and a cubic, where the cubic's parameter t corresponds to the curve's

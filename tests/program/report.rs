@@ -1,6 +1,9 @@
 //! `freeform report`: its files, its values, and its messages when it cannot work.
 
+use std::path::Path;
 use std::process::Command;
+
+use freeform_surface::model::find_helper;
 
 use crate::harness::program::{Folder, text};
 
@@ -9,9 +12,14 @@ const RESOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/resources");
 
 /// The rows of a section as the program writes them.
 fn rows(folder: &Folder, section: &str) -> Vec<serde_json::Value> {
+    rows_with(folder, section, &[])
+}
+
+/// The same, with further arguments.
+fn rows_with(folder: &Folder, section: &str, more: &[&str]) -> Vec<serde_json::Value> {
     let arguments =
         ["report", "--quick", "--only", section, "--format", "json", "--resources", RESOURCES];
-    let output = folder.run(&arguments);
+    let output = folder.run(&[&arguments, more].concat());
     assert!(output.status.success(), "{output:?}");
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
@@ -39,6 +47,55 @@ fn peers_are_measured_beside_exact_or_named_as_missing() {
             number(glu, "rms_error_px") > 0.01 && number(glu, "normal_error_deg") < 10.0,
             "{glu}"
         );
+    }
+}
+
+/// A real STEP file, if it and the program that reads it are there.
+fn step_file() -> Option<String> {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/cad/io1-cm-214.stp");
+    let is_there = Path::new(path).exists() && find_helper().is_some();
+    if !is_there {
+        eprintln!("left out: {path} or freeform-occt is absent");
+    }
+    is_there.then(|| path.to_owned())
+}
+
+#[test]
+fn models_are_measured_from_the_file_to_the_picture_and_missing_others_are_named() {
+    let file = step_file();
+    let more = file.as_ref().map_or(Vec::new(), |file| vec!["--model", file]);
+    let rows = rows_with(&Folder::new(), "models", &more);
+    let find = |scene: &str, method: &str| {
+        rows.iter().find(|row| row["scene"] == scene && row["method"] == method)
+    };
+    let number = |row: &serde_json::Value, key: &str| row[key].as_f64().expect("a number");
+    let ms = |scene: &str, method: &str| number(find(scene, method).expect(method), "ms");
+    for row in rows.iter().filter(|row| row["method"] == "exact") {
+        assert!(number(row, "max_error_px") <= number(row, "tolerance"), "{row}");
+        assert!(number(row, "ms") > 0.0 && number(row, "triangles") > 0.0, "{row}");
+    }
+    let at_half = |method: &str| {
+        let mut of = rows.iter().filter(|row| row["method"] == method && row["scene"] == "flange");
+        of.find(|row| row["tolerance"] == 0.5).expect("a row")
+    };
+    assert_eq!(at_half("exact")["triangles"], at_half("static mesh")["triangles"]);
+    // A quick report measures first pictures once, so that the parts are those of the sum.
+    let parts = ["reading", "projection", "upload", "shaders", "frame"];
+    let sum: f64 = parts.iter().map(|part| ms("flange", &format!("first picture: {part}"))).sum();
+    assert!((sum / ms("flange", "first picture") - 1.0).abs() < 1e-6, "{sum}");
+    assert!(number(find("flange", "the program").expect("a row"), "memory") > 1e7);
+    assert!(rows.iter().any(|row| row["scene"].as_str().unwrap_or("").ends_with(" faces")));
+    for (other, key) in [("OCCT mesh", "triangles"), ("F3D", "ms")] {
+        if let Some(missing) = find("all", other) {
+            assert!(missing["note"].as_str().expect("a note").starts_with("not measured: "));
+        } else {
+            let row = find("io1-cm-214.stp", other).expect("a row");
+            assert!(row["note"].is_null() && number(row, key) > 0.0, "{row}");
+        }
+    }
+    if file.is_some() {
+        let (own, other) = (ms("io1-cm-214.stp", "first picture from .ffm"), "first picture");
+        assert!(own < ms("io1-cm-214.stp", other), "{own}");
     }
 }
 

@@ -7,7 +7,7 @@ use super::peers::{LIBGLU, STATIC};
 use super::row::{Row, half_a_pixel, trims};
 
 /// Every method and peer for the teapot at an error of half a pixel, and the trims of the thesis' figures
-/// 22–25, as far as the rows contain them.
+/// 22–25, and frames of CAD models, as far as the rows contain them.
 pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
     let mut text = format!(
         "Measured by `freeform report` {} on {}, {}.\n\n\
@@ -37,6 +37,14 @@ pub(super) fn summary(head: &Head, rows: &[&Row]) -> String {
             _ => "**exact, to 0.5 px**",
         };
         line(format!("teapot, 1920×1080: {what}"), row);
+    }
+    for row in rows.iter().filter(|row| row.section == "models").filter(half) {
+        let what = match row.method.as_str() {
+            "exact" => "**exact, to 0.5 px**",
+            STATIC => "a static mesh of exact's triangles, without trims",
+            _ => continue,
+        };
+        line(format!("{}: {what}", row.scene), row);
     }
     let [ours, thesis] = half_a_pixel(rows, "teapot");
     if let Some(row) = ours {
@@ -77,6 +85,8 @@ mod tests {
         let rows = [
             at_half(row("peers", "teapot", "exact", 1.5)),
             at_half(row("peers", "teapot", LIBGLU, 3.0)),
+            at_half(row("models", "flange", "exact", 4.5)),
+            at_half(row("models", "a.stp", "OCCT mesh", 9.5)),
             Row { ms: Some(7.0), ..level(64, 0.1) },
             level(32, 0.4),
             level(16, 0.9),
@@ -90,11 +100,12 @@ mod tests {
             "on a driver",
             "| teapot, 1920×1080: **exact, to 0.5 px** | 1.5 | – | 0.25 | – | – |",
             "libGLU, tessellated for each frame, to 0.5 px | 3.0",
+            "| flange: **exact, to 0.5 px** | 4.5 | – | 0.25",
             "thesis, level 32, found by hand | 2.0 | – | 0.40",
             "**exact** | 3.5 | – | – | – | 3 |",
         ] {
             assert!(text.contains(words), "{words}: {text}");
         }
-        assert_eq!(text.lines().count(), 8, "{text}");
+        assert_eq!(text.lines().count(), 9, "{text}");
     }
 }
