@@ -29,6 +29,8 @@ const SIZE: (u32, u32) = (1920, 1080);
 const HALF: f64 = 0.5;
 
 const EXACT: &str = "exact";
+/// What the processor does for a new view before it draws.
+const PLAN: &str = "exact: plan";
 /// From the file to the first picture, in this process.
 const FIRST: &str = "first picture";
 /// The same for the model of a STEP, IGES or BREP file in the project's own format.
@@ -48,7 +50,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         "models",
         "Models: CAD files from the file to the picture",
         "Models of CAD systems, framed. Frames have a moving camera; the static mesh is made of the exact method's own \
-         triangles for half a pixel, without trims. The first picture is that of a new renderer with the driver's cache \
+         triangles for half a pixel, without trims; the plan is what the processor does for a new view. The first picture is that of a new renderer with the driver's cache \
          of shaders; upload includes the search for neighbours and the plan of the first frame, shaders are what the \
          first draw takes longer than the second. The program is `freeform render` from its start to its end; its memory \
          is the most that it holds. OCCT meshes the file with a deflection of half a pixel at the model's nearest point; \
@@ -155,11 +157,16 @@ fn frames(bench: &mut Bench, subject: &Subject) -> Result<Vec<Row>> {
     for scene in &scenes {
         prepared.push((bench.prepare(scene)?, Moving::new(bench.frame(scene))));
     }
+    let mut planned = (bench.prepare(&within(loaded, HALF)?)?, Moving::new(frame));
     let mut camera = Moving::new(frame);
     let background = loaded.settings.background;
-    let timings = bench.time_frames(scenes.len() + 1, |renderer, way| {
+    let timings = bench.time_frames(scenes.len() + 2, |renderer, way| {
         if let Some((prepared, camera)) = prepared.get_mut(way) {
             return Ok(prepared.draw(renderer, &camera.next()).map(drop)?);
+        }
+        if way == scenes.len() {
+            let (prepared, camera) = &mut planned;
+            return Ok(prepared.prepare(renderer, &camera.next())?);
         }
         renderer.clear(background);
         Ok(renderer.draw_static(&still, &style, &camera.next())?)
@@ -170,18 +177,27 @@ fn frames(bench: &mut Bench, subject: &Subject) -> Result<Vec<Row>> {
         rows.push(Row {
             tolerance: Some(*tolerance),
             patches: Some(stats.patches),
-            command: bench
-                .command(&subject.path.display().to_string(), &format!("--tolerance {tolerance}")),
+            command: command_of(bench, subject, *tolerance),
             ..row(subject, EXACT).timed(*timing).measured(&errors, stats.triangles)
         });
     }
-    rows.extend(timings.last().map(|timing| Row {
+    let command = bench.report_command("models");
+    let others = timings[scenes.len()..].iter().zip([PLAN, STATIC]);
+    rows.extend(others.map(|(timing, method)| Row {
         tolerance: Some(HALF),
-        triangles: Some(still.triangles() as u64),
-        command: bench.report_command("models"),
-        ..row(subject, STATIC).timed(*timing)
+        triangles: (method == STATIC).then_some(still.triangles() as u64),
+        command: command.clone(),
+        ..row(subject, method).timed(*timing)
     }));
     Ok(rows)
+}
+
+/// The command that measures a subject by hand; the large model is no file that stays.
+fn command_of(bench: &Bench, subject: &Subject, tolerance: f64) -> String {
+    if subject.is_made {
+        return bench.report_command("models");
+    }
+    bench.command(&subject.path.display().to_string(), &format!("--tolerance {tolerance}"))
 }
 
 fn row(subject: &Subject, method: impl Into<String>) -> Row {
@@ -258,7 +274,7 @@ fn first_pictures(
             match f3d::show(&subject.path, bench.size, frames) {
                 Err(reason) => notes.push(failed(subject, F3D, &reason)),
                 Ok(shown) => {
-                    let memory = Some(shown.memory);
+                    let memory = shown.memory;
                     turns.add(row(subject, F3D_LOAD), ms(shown.load));
                     turns.add(
                         Row { memory, ..row(subject, F3D_FIRST) },

@@ -20,11 +20,13 @@ pub(super) struct Subject {
     pub(super) name: String,
     pub(super) path: PathBuf,
     pub(super) scene: Scene,
+    /// Whether its file is removed with the folder.
+    pub(super) is_made: bool,
 }
 
 impl Subject {
     fn load(name: String, path: PathBuf) -> Result<Self> {
-        Ok(Self { scene: Scene::load(&path)?, name, path })
+        Ok(Self { scene: Scene::load(&path)?, name, path, is_made: false })
     }
 }
 
@@ -73,7 +75,8 @@ impl Files {
             .collect();
         let large = repeated(&models, if bench.quick { MANY / 20 } else { MANY });
         let name = format!("{} faces", large.faces.len());
-        subjects.push(Subject::load(name, self.write("large.ffm", &large)?)?);
+        let large = Subject::load(name, self.write("large.ffm", &large)?)?;
+        subjects.push(Subject { is_made: true, ..large });
         for path in &bench.models {
             subjects.push(Subject::load(name_of(path), path.clone())?);
         }

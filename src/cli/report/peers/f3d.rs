@@ -18,7 +18,7 @@ pub(in crate::cli::report) struct Shown {
     /// The median of further pictures, with a moving camera.
     pub(in crate::cli::report) frame: f64,
     /// The most memory of the whole program, in bytes.
-    pub(in crate::cli::report) memory: u64,
+    pub(in crate::cli::report) memory: Option<u64>,
 }
 
 /// The version of F3D. The error is a text for a note.
@@ -46,6 +46,6 @@ pub(in crate::cli::report) fn show(
         load: ended.value("load")?,
         first: ended.value("first")?,
         frame: ended.value("frame")?,
-        memory: ended.value("memory")? as u64,
+        memory: ended.memory,
     })
 }

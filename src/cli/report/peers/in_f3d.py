@@ -1,6 +1,5 @@
-"""Shows a CAD file with F3D: FILE WIDTH HEIGHT FRAMES. Prints milliseconds and the most memory, in bytes."""
+"""Shows a CAD file with F3D: FILE WIDTH HEIGHT FRAMES. Prints milliseconds."""
 
-import resource
 import sys
 import time
 
@@ -41,4 +40,3 @@ for number in range(frames):
     camera.azimuth(0.125 if number % 16 < 8 else -0.125)
     times.append(milliseconds(window.render))
 print("frame", sorted(times)[len(times) // 2])
-print("memory", 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
