@@ -25,6 +25,7 @@ use crate::bezier::NurbsSurface;
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
 pub use deviation::Deviation;
 pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
+pub(crate) use import::ENDED;
 pub use import::{ImportOptions, find_helper, import, is_cad_file};
 pub use instances::Instance;
 

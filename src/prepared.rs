@@ -106,6 +106,12 @@ impl PreparedScene {
         self.stats
     }
 
+    /// The surfaces.
+    #[must_use]
+    pub fn surfaces(&self) -> &[PreparedSurface] {
+        &self.surfaces
+    }
+
     /// The surfaces, to be changed between frames.
     pub fn surfaces_mut(&mut self) -> &mut [PreparedSurface] {
         &mut self.surfaces
@@ -139,7 +145,7 @@ impl PreparedScene {
         renderer.clear(frame.settings.background);
         self.draw_together(renderer, frame, Output::Picture)?;
         if frame.settings.control_points {
-            for surface in &mut self.surfaces {
+            for surface in self.surfaces.iter_mut().filter(|surface| !surface.surface().hidden) {
                 renderer.draw_control_points(surface, frame)?;
             }
         }

@@ -83,7 +83,8 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
     let projection = scene.projection(size.x, size.y);
     let settings = &scene.settings;
     let mut raster = Raster::new(size, settings.background);
-    for (number, surface) in scene.surfaces.iter().enumerate() {
+    let is_shown = |surface: &&Surface| !surface.hidden;
+    for (number, surface) in scene.surfaces.iter().enumerate().filter(|(_, own)| is_shown(own)) {
         let view = SurfaceView::new(surface, &projection, settings, method)?;
         let report = view.is_report();
         for (patch_number, patch) in surface.patches().enumerate() {
@@ -126,7 +127,7 @@ pub fn render(scene: &Scene, size: UVec2, method: Method) -> Result<Picture> {
         }
     }
     if settings.control_points {
-        for surface in &scene.surfaces {
+        for surface in scene.surfaces.iter().filter(is_shown) {
             let to_clip = projection.projection * projection.view * surface.transform;
             for point in surface.control_points() {
                 let clip = to_clip * homogeneous(*point);

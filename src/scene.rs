@@ -13,6 +13,7 @@ mod tables;
 mod texture;
 mod write;
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -50,8 +51,9 @@ pub struct LoadOptions {
     pub up: Option<UpAxis>,
     /// How long the reader of STEP, IGES and BREP files may take.
     pub import_limit: Duration,
-    /// Is called while such a file is read, with a share from 0 to 1.
-    pub progress: Option<fn(f64)>,
+    /// Is called while a CAD model is read, with a share from 0 to 1: 1 means that the file is read, and that the edges of
+    /// the faces come next. It may end the reading.
+    pub progress: Option<fn(f64) -> ControlFlow<()>>,
 }
 
 impl Default for LoadOptions {
@@ -264,10 +266,11 @@ impl Scene {
     fn shown_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
         // If there are few patches, each needs many samples to show its shape; if there are many, each needs few.
         const SAMPLES: usize = 4_000;
-        let patches: usize = self.surfaces.iter().map(|surface| surface.patches().len()).sum();
+        let surfaces = self.surfaces.iter().filter(|surface| !surface.hidden);
+        let patches: usize = surfaces.clone().map(|surface| surface.patches().len()).sum();
         let side = (SAMPLES / patches.max(1)).isqrt().clamp(2, 17);
-        let points = self.surfaces.iter().flat_map(move |surface| surface.samples(side));
-        let control_points = self.surfaces.iter().flat_map(Surface::world_points);
+        let points = surfaces.clone().flat_map(move |surface| surface.samples(side));
+        let control_points = surfaces.flat_map(Surface::world_points);
         let shown = if self.settings.control_points { usize::MAX } else { 0 };
         points
             .chain(self.meshes.iter().flat_map(MeshModel::samples))

@@ -12,6 +12,7 @@ mod action;
 #[cfg(feature = "viewer")]
 mod app;
 mod camera;
+mod faces;
 mod files;
 mod gestures;
 #[cfg(feature = "viewer")]
@@ -20,6 +21,7 @@ mod gl;
 mod input;
 #[cfg(feature = "viewer")]
 mod inset;
+mod loading;
 #[cfg(feature = "viewer")]
 mod overlay;
 #[cfg(feature = "viewer")]
@@ -45,7 +47,8 @@ use crate::io::say;
 /// The arguments of `freeform view`.
 #[derive(Debug, Args)]
 pub(crate) struct ViewArguments {
-    /// The scene: a .toml, .bpt or .obj file; without one, a surface with bricks.
+    /// The scene: a .toml, .bpt or .obj file, or a CAD model (.ffm, .step, .iges or .brep); without one, a surface with
+    /// bricks.
     #[arg(value_name = "SCENE")]
     scene: Option<PathBuf>,
 

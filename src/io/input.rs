@@ -1,6 +1,7 @@
 //! The sources of scenes: files, or standard input.
 
 use std::io::Read as _;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -58,9 +59,24 @@ impl LoadArguments {
     /// # Errors
     /// As [`Scene::load`].
     pub(crate) fn load(self, path: &Path) -> Result<Scene> {
-        let options = self.options();
+        Self::read(path, &self.options())
+    }
+
+    /// Reads a scene as [`LoadArguments::load`], and reports the progress as [`LoadOptions::progress`] says.
+    ///
+    /// # Errors
+    /// As [`Scene::load`], and `note` ends the reading.
+    pub(crate) fn load_noting(
+        self,
+        path: &Path,
+        note: fn(f64) -> ControlFlow<()>,
+    ) -> Result<Scene> {
+        Self::read(path, &LoadOptions { progress: Some(note), ..self.options() })
+    }
+
+    fn read(path: &Path, options: &LoadOptions) -> Result<Scene> {
         if !is_standard(path) {
-            return Ok(Scene::load_with(path, &options)?);
+            return Ok(Scene::load_with(path, options)?);
         }
         let name = Path::new("standard input");
         let fail = |cause: Cause| Error::file("read", name, cause);
@@ -77,7 +93,7 @@ impl LoadArguments {
         if text.trim().is_empty() {
             return Err(fail("it is empty".into()));
         }
-        Ok(Scene::from_text(&text, name, &options)?)
+        Ok(Scene::from_text(&text, name, options)?)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::ffi::{OsStr, OsString};
 use std::io::{BufRead as _, BufReader, Read};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -23,6 +24,12 @@ const MAX_LINE_BYTES: u64 = 4096;
 
 /// Longer time limits are as good as none.
 const MAX_LIMIT: Duration = Duration::from_secs(365 * 24 * 3600);
+
+/// The longest time between calls of the caller's function.
+const BETWEEN_CALLS: Duration = Duration::from_millis(100);
+
+/// The error if the caller's function ends the reading.
+pub(crate) const ENDED: &str = "the reading was ended";
 
 /// How long to wait before asking again whether the helper has ended.
 const PAUSE: Duration = Duration::from_millis(2);
@@ -51,12 +58,17 @@ pub fn is_cad_file(path: &Path) -> bool {
     EXTENSIONS.contains(&extension.as_str())
 }
 
-/// Reads a STEP, IGES or BREP file. Returns it as the text of a model. `progress` is called with a number from 0 to 1;
-/// what the helper has to say goes to the log.
+/// Reads a STEP, IGES or BREP file. Returns it as the text of a model. `progress` is called with a number from 0 to 1,
+/// several times a second, and may end the reading; what the helper has to say goes to the log.
 ///
 /// # Errors
-/// A file that cannot be read; a helper that is not found, crashes, takes too long or writes no model.
-pub fn import(path: &Path, options: &ImportOptions, progress: impl FnMut(f64)) -> Result<String> {
+/// A file that cannot be read; a helper that is not found, crashes, takes too long or writes no model; `progress` ends
+/// the reading.
+pub fn import(
+    path: &Path,
+    options: &ImportOptions,
+    progress: impl FnMut(f64) -> ControlFlow<()>,
+) -> Result<String> {
     let helper = options.helper.clone().or_else(find_helper);
     run(path, helper.as_deref(), options.limit, progress)
         .map_err(|cause| Error::file("read", path, cause))
@@ -108,7 +120,7 @@ fn run(
     path: &Path,
     helper: Option<&Path>,
     limit: Duration,
-    progress: impl FnMut(f64),
+    progress: impl FnMut(f64) -> ControlFlow<()>,
 ) -> Result<String, Cause> {
     if !std::fs::metadata(path)?.is_file() {
         return Err("it is not a file".into());
@@ -135,8 +147,11 @@ fn run(
     if let Some(stderr) = helper.0.stderr.take() {
         std::thread::spawn(move || send_lines(stderr, &sender));
     }
-    let (model, last_line) = collect(path, &outputs, deadline, progress).ok_or_else(too_long)?;
-    let model = model?;
+    let (model, last_line) = match collect(path, &outputs, deadline, progress) {
+        Collected::All(model, last_line) => (model?, last_line),
+        Collected::TooLong => return Err(too_long().into()),
+        Collected::Ended => return Err(ENDED.into()),
+    };
     if model.len() as u64 > MAX_MODEL_BYTES {
         return Err(format!("its model has more than {MAX_MODEL_BYTES} bytes").into());
     }
@@ -153,23 +168,37 @@ fn run(
     checked(model)
 }
 
-/// Takes what the helper writes, until it writes no more. Returns the model and the last line that is not progress;
-/// `None` if that takes too long.
+/// What was taken from the helper.
+enum Collected {
+    /// The model, and the last line that is not progress.
+    All(std::io::Result<Vec<u8>>, String),
+    /// It was not complete in time.
+    TooLong,
+    /// The caller does not want it any more.
+    Ended,
+}
+
+/// Takes what the helper writes, until it writes no more.
 fn collect(
     path: &Path,
     outputs: &Receiver<Output>,
     deadline: Instant,
-    mut progress: impl FnMut(f64),
-) -> Option<(std::io::Result<Vec<u8>>, String)> {
+    mut progress: impl FnMut(f64) -> ControlFlow<()>,
+) -> Collected {
     let mut model = Ok(Vec::new());
     let mut last_line = String::new();
+    let mut share = 0.0;
     loop {
-        match outputs.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+        let left = deadline.saturating_duration_since(Instant::now());
+        match outputs.recv_timeout(left.min(BETWEEN_CALLS)) {
             Ok(Output::Model(bytes)) => model = bytes,
             Ok(Output::Line(line)) => {
                 if let Some(percent) = line.strip_prefix("progress ") {
                     if let Ok(percent) = percent.parse::<u8>() {
-                        progress(f64::from(percent.min(100)) / 100.0);
+                        share = f64::from(percent.min(100)) / 100.0;
+                        if progress(share).is_break() {
+                            return Collected::Ended;
+                        }
                     }
                     continue;
                 }
@@ -180,8 +209,13 @@ fn collect(
                 }
                 last_line = line;
             }
-            Err(RecvTimeoutError::Timeout) => return None,
-            Err(RecvTimeoutError::Disconnected) => return Some((model, last_line)),
+            Err(RecvTimeoutError::Timeout) if left <= BETWEEN_CALLS => return Collected::TooLong,
+            Err(RecvTimeoutError::Timeout) => {
+                if progress(share).is_break() {
+                    return Collected::Ended;
+                }
+            }
+            Err(RecvTimeoutError::Disconnected) => return Collected::All(model, last_line),
         }
     }
 }
@@ -248,7 +282,14 @@ mod tests {
         std::fs::write(&path, script).unwrap();
         let options = ImportOptions { helper: Some("/bin/sh".into()), limit };
         let mut progress = Vec::new();
-        let result = import(&path, &options, |part| progress.push(part));
+        let result = import(&path, &options, |part| {
+            if progress.last() != Some(&part) {
+                progress.push(part);
+            }
+            ControlFlow::Continue(())
+        });
+        // Before the helper says anything, the share is 0.
+        progress.retain(|part| *part > 0.0);
         (result, progress)
     }
 
@@ -317,19 +358,44 @@ mod tests {
     }
 
     #[test]
+    fn a_reading_that_is_not_wanted_any_more_ends_its_helper() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("part.step");
+        std::fs::write(&path, format!("echo $$ > {}/id; exec sleep 60", folder.path().display()))
+            .unwrap();
+        let options =
+            ImportOptions { helper: Some("/bin/sh".into()), limit: Duration::from_secs(60) };
+        let start = Instant::now();
+        let mut calls = 0;
+        let error = import(&path, &options, |_| {
+            calls += 1;
+            if calls < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        })
+        .unwrap_err();
+        assert!(error.to_string().ends_with(ENDED), "{error}");
+        assert!(start.elapsed() < Duration::from_secs(30));
+        let id = std::fs::read_to_string(folder.path().join("id")).unwrap();
+        assert!(!Path::new("/proc").join(id.trim()).exists(), "the helper is gone");
+    }
+
+    #[test]
     fn a_missing_helper_is_an_error_that_says_what_to_run() {
         let file = tempfile::NamedTempFile::new().unwrap();
-        let error = run(file.path(), None, Duration::ZERO, |_| ()).unwrap_err();
-        assert!(error.to_string().ends_with("is not found; run: sh setup.sh cad"), "{error}");
         let error =
-            run(file.path(), Some(Path::new("/no/helper")), Duration::ZERO, |_| ()).unwrap_err();
+            run(file.path(), None, Duration::ZERO, |_| ControlFlow::Continue(())).unwrap_err();
+        assert!(error.to_string().ends_with("is not found; run: sh setup.sh cad"), "{error}");
+        let error = run(file.path(), Some(Path::new("/no/helper")), Duration::ZERO, |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap_err();
         assert!(error.to_string().starts_with("/no/helper cannot be started: "), "{error}");
     }
 
     #[test]
     fn a_missing_file_or_a_folder_is_reported_first() {
         for path in ["/no/part.step", "/"] {
-            let error = run(Path::new(path), None, Duration::ZERO, |_| ()).unwrap_err();
+            let error = run(Path::new(path), None, Duration::ZERO, |_| ControlFlow::Continue(()))
+                .unwrap_err();
             assert!(!error.to_string().contains("setup.sh"), "{error}");
         }
     }

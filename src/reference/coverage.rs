@@ -75,7 +75,7 @@ pub fn coverage(
         Depth::Perspective { nearest } => nearest,
         Depth::Parallel { .. } => 1.0,
     };
-    for surface in &scene.surfaces {
+    for surface in scene.surfaces.iter().filter(|surface| !surface.hidden) {
         let mut cut = Cut::new(surface, scene.settings.newton, method)?;
         let to_clip = own_clip * projection.view * surface.transform;
         for (number, patch) in surface.patches().enumerate() {

@@ -39,11 +39,11 @@ pub struct Hit {
 }
 
 impl<'a> Rays<'a> {
-    /// The surfaces of a scene. Its meshes are left out.
+    /// The surfaces of a scene. Its meshes and hidden surfaces are left out.
     #[must_use]
     pub fn new(scene: &'a Scene) -> Self {
         let mut patches = Vec::new();
-        for (surface, own) in scene.surfaces.iter().enumerate() {
+        for (surface, own) in scene.surfaces.iter().enumerate().filter(|(_, own)| !own.hidden) {
             for (patch, points) in
                 own.patch_points().chunks_exact(own.degree().points()).enumerate()
             {
@@ -93,8 +93,8 @@ impl<'a> Rays<'a> {
             homogeneous(components([axes.0, axes.1, forwards], place).extend(point.w))
         };
         let net = Net { degree, points: points.iter().map(seen).collect() };
-        let mut roots = Vec::new();
-        net.roots([DVec2::ZERO, DVec2::ONE], 0, &mut roots);
+        let mut search = Search { roots: Vec::new(), parts_left: MAX_PARTS };
+        net.roots([DVec2::ZERO, DVec2::ONE], 0, &mut search);
         let [low, high] = surface.patch_domain(patch.patch);
         let hit = |place: DVec2| {
             let distance = net.at(place)[0].z / direction.length();
@@ -102,8 +102,18 @@ impl<'a> Rays<'a> {
             let is_kept = distance > 0.0 && !surface.trims.cut(uv);
             is_kept.then_some(Hit { surface: patch.surface, patch: patch.patch, uv, distance })
         };
-        roots.into_iter().filter_map(hit).collect()
+        search.roots.into_iter().filter_map(hit).collect()
     }
+}
+
+/// The most parts of a patch that are looked at for a ray. Only a ray along the surface needs so many: it meets a whole
+/// curve, of which some places are found.
+const MAX_PARTS: u32 = 10_000;
+
+/// The places that were found, and how many parts may still be looked at.
+struct Search {
+    roots: Vec<DVec2>,
+    parts_left: u32,
 }
 
 /// The components of a vector along three axes.
@@ -153,30 +163,31 @@ impl Net {
 
     /// Appends the places within a part of the whole patch, given by its corners, where x = y = 0. `self` is the part's
     /// control net.
-    fn roots(&self, part: [DVec2; 2], depth: u32, roots: &mut Vec<DVec2>) {
+    fn roots(&self, part: [DVec2; 2], depth: u32, search: &mut Search) {
         /// Below this size a part is a place.
         const MAX_DEPTH: u32 = 80;
         let [low, high] =
             bounding_box(self.points.iter().map(|point| point.truncate().truncate() / point.w));
-        if low.max_element() > 0.0 || high.min_element() < 0.0 {
+        if low.max_element() > 0.0 || high.min_element() < 0.0 || search.parts_left == 0 {
             return;
         }
+        search.parts_left -= 1;
         let [start, end] = part;
         let size = end - start;
         if self.is_flat() {
             if let Some(place) = self.newton() {
                 let place = start + place * size;
                 // A root on the border between two parts belongs to both.
-                if roots.iter().all(|root| root.distance(place) > 1e-9) {
-                    roots.push(place);
+                if search.roots.iter().all(|root| root.distance(place) > 1e-9) {
+                    search.roots.push(place);
                 }
             }
             return;
         }
         if depth == MAX_DEPTH {
             let place = start.midpoint(end);
-            if roots.iter().all(|root| root.distance(place) > 1e-6) {
-                roots.push(place);
+            if search.roots.iter().all(|root| root.distance(place) > 1e-6) {
+                search.roots.push(place);
             }
             return;
         }
@@ -190,7 +201,7 @@ impl Net {
             } else {
                 corner.y = middle.y;
             }
-            net.roots(part, depth + 1, roots);
+            net.roots(part, depth + 1, search);
         }
     }
 
@@ -330,6 +341,21 @@ mod tests {
             }
         }
         assert!(hits > 200 && misses > 50, "{hits} {misses}");
+    }
+
+    #[test]
+    fn a_ray_along_a_surface_ends() {
+        let points = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)];
+        let points = points.map(|(x, y)| DVec4::new(x, y, 0.0, 1.0)).to_vec();
+        let plane = Surface::of_patch(Degree::new(1, 1).unwrap(), points).unwrap();
+        let mut wall = plane.clone();
+        wall.transform =
+            DMat4::from_rotation_y(0.5) * DMat4::from_translation(dvec3(3.0, 0.0, 0.0));
+        let scene = Scene { surfaces: vec![plane, wall], ..Scene::default() };
+        let rays = Rays::new(&scene);
+        for y in [0.3, 0.5, 1.0 / 3.0] {
+            assert!(rays.cast(dvec3(-1.0, y, 0.0), DVec3::X).is_some());
+        }
     }
 
     #[test]

@@ -258,6 +258,7 @@ impl DrawList {
             let back = (surface.surface().cull == Cull::Back).then(|| {
                 (eye_in_model(&key.camera, &model), DMat3::from_mat4(model).determinant().signum())
             });
+            let hidden = surface.surface().hidden;
             let degree = surface.drawn_degree();
             let rounding = Rounding::new(
                 &(to_clip * surface.points_to_world()),
@@ -276,6 +277,7 @@ impl DrawList {
                 rounding,
                 cones,
                 back,
+                hidden,
                 trims: &mut trims.surface,
                 first_point,
                 first_patch,

@@ -92,7 +92,8 @@ impl PreparedSurface {
         })
     }
 
-    /// The surface in its current state. Its paint, however, is the one that it was created with.
+    /// The surface in its current state. Its paint, however, is the one that it was created with, or the last colour
+    /// that was set.
     #[must_use]
     pub const fn surface(&self) -> &Surface {
         &self.surface
@@ -178,6 +179,19 @@ impl PreparedSurface {
     /// Sets the surface's texture; several surfaces may share one.
     pub fn set_texture(&mut self, texture: Rc<Texture>) {
         self.texture = Some(texture);
+        self.revision.rest = new_number();
+    }
+
+    /// Sets a colour instead of the texture or of another colour.
+    pub fn set_color(&mut self, rgb: [f32; 3]) {
+        self.surface.paint = Paint::Color(rgb);
+        self.texture = None;
+        self.revision.rest = new_number();
+    }
+
+    /// Hides the surface or shows it.
+    pub fn set_hidden(&mut self, hidden: bool) {
+        self.surface.hidden = hidden;
         self.revision.rest = new_number();
     }
 

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::BufReader;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use glam::DMat4;
 use super::file::{check_is_file, extension, unreadable};
 use super::{LoadOptions, Paint, Surface};
 use crate::error::Result;
-use crate::model::{ImportOptions, Instance, Model, import, is_cad_file};
+use crate::model::{ENDED, ImportOptions, Instance, Model, import, is_cad_file};
 
 /// A CAD model in a scene. Its faces are surfaces of the scene, which name the model by its number.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,18 +53,23 @@ impl Model {
     /// A file that cannot be read or is no model; as [`import`].
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self> {
         check_is_file(path)?;
-        if is_cad_file(path) {
-            let LoadOptions { import_limit: limit, progress, .. } = *options;
+        let LoadOptions { import_limit: limit, progress, .. } = *options;
+        let model = if is_cad_file(path) {
             let import_options = ImportOptions { limit, ..ImportOptions::default() };
-            let note = |share| progress.into_iter().for_each(|note| note(share));
+            let note = |share| progress.map_or(ControlFlow::Continue(()), |note| note(share));
             let mut model = Self::from_text(&import(path, &import_options, note)?, path)?;
             // IGES files have no edges that faces share, and other files may lack some.
             let joined = model.sew(SEWN * model.diagonal());
             log::info!("{}: {joined} edges were joined to others", path.display());
-            return Ok(model);
+            model
+        } else {
+            let file = File::open(path).map_err(|error| unreadable(path, error))?;
+            Self::read(BufReader::new(file), path)?
+        };
+        if progress.is_some_and(|note| note(1.0).is_break()) {
+            return Err(unreadable(path, ENDED));
         }
-        let file = File::open(path).map_err(|error| unreadable(path, error))?;
-        Self::read(BufReader::new(file), path)
+        Ok(model)
     }
 }
 
@@ -104,7 +110,7 @@ impl CadModel {
             let mut surface = surface.clone();
             surface.trims = trims.clone();
             surface.transform = transform * DMat4::from(placement);
-            surface.paint = Paint::Color(color.or(own).unwrap_or(UNPAINTED));
+            surface.paint = Paint::Color(color_of(color, own));
             surface.face = Some(FaceOfModel { model: number, face, instance });
             surfaces.push(surface);
         }
@@ -118,4 +124,18 @@ impl CadModel {
             Self { file: path.to_owned(), model: Arc::new(model), transform, color, left_out };
         Ok((model, surfaces))
     }
+
+    /// The colours of the faces in all places as the file and the model's own colour give them.
+    ///
+    /// # Errors
+    /// As [`Model::instances`].
+    pub(super) fn colors(&self) -> Result<Vec<[f32; 3]>> {
+        let instances = self.model.instances()?;
+        Ok(instances.into_iter().map(|instance| color_of(self.color, instance.color)).collect())
+    }
+}
+
+/// The colour of a face: that of the whole model, else its own, else a neutral one.
+fn color_of(all: Option<[f32; 3]>, own: Option<[f32; 3]>) -> [f32; 3] {
+    all.or(own).unwrap_or(UNPAINTED)
 }

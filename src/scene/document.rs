@@ -1,5 +1,6 @@
 //! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every error names its line.
 
+mod models;
 mod trims;
 
 use std::collections::HashMap;
@@ -13,19 +14,18 @@ use toml::Spanned;
 use super::file::{extension, line_of, read_text, unreadable};
 use super::surface::check_transform;
 use super::tables::{
-    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, ModelTable,
-    RenderTable, ShadingName, SmoothingName, SurfaceTable,
+    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
+    ShadingName, SmoothingName, SurfaceTable,
 };
 use super::{
-    CadModel, Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples,
-    Scene, Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint, bpt,
-    default_control_points, load_texture, obj,
+    Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene,
+    Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint, bpt, default_control_points,
+    load_texture, obj,
 };
 use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
 use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
-use crate::model::Model;
 use crate::thesis::newton::Newton;
 use crate::trim::{Keep, Trims};
 use trims::{PlacedTrims, TrimPlaces};
@@ -281,6 +281,7 @@ impl Builder<'_> {
             surface.transform = transform;
             surface.paint = paint.clone();
             surface.shading = table.shading.into();
+            surface.hidden = table.hidden;
             surface.cull = match table.cull {
                 CullName::None => Cull::None,
                 CullName::Back => Cull::Back,
@@ -341,27 +342,6 @@ impl Builder<'_> {
         model.transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
             .map_err(|error| self.at(start, error))?;
         Ok(model)
-    }
-
-    /// A CAD model, which is the scene's model `number`, and its faces.
-    fn model(
-        &mut self,
-        table: Spanned<ModelTable>,
-        number: usize,
-    ) -> Result<(CadModel, Vec<Surface>)> {
-        let start = table.span().start;
-        let table = table.into_inner();
-        let path = self.beside_scene(table.file.get_ref());
-        let color = table.color.map(|color| self.check(color, |rgb| unit_range("color", rgb)));
-        let color = color.transpose()?;
-        let transform = placed(table.translate, table.rotate_degrees, table.scale, table.matrix)
-            .map_err(|error| self.at(start, error))?;
-        let loaded = self.check(table.file, |_| {
-            CadModel::new(Model::load(&path, self.options)?, &path, number, transform, color)
-        })?;
-        self.from_files += loaded.1.len();
-        self.files.push(path);
-        Ok(loaded)
     }
 
     fn paint(

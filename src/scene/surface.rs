@@ -69,6 +69,8 @@ pub struct Surface {
     pub cull: Cull,
     /// The face of a CAD model that it is, if it is one.
     pub face: Option<FaceOfModel>,
+    /// Whether it is left out of pictures. Its neighbours stay its neighbours.
+    pub hidden: bool,
 }
 
 /// A NURBS surface and the grid of its patches.
@@ -109,6 +111,7 @@ impl Surface {
             trims: Trims::default(),
             cull: Cull::default(),
             face: None,
+            hidden: false,
         }
     }
 

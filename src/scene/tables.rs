@@ -81,6 +81,8 @@ pub(super) struct SurfaceTable {
     #[serde(default)]
     pub(super) cull: CullName,
     #[serde(default)]
+    pub(super) hidden: bool,
+    #[serde(default)]
     pub(super) trim: Vec<Spanned<TrimTable>>,
 }
 
@@ -108,10 +110,22 @@ pub(super) struct MeshTable {
 pub(super) struct ModelTable {
     pub(super) file: Spanned<String>,
     pub(super) color: Option<Spanned<[f32; 3]>>,
+    #[serde(default)]
+    pub(super) hide: Vec<Spanned<usize>>,
+    #[serde(default)]
+    pub(super) colors: Vec<FaceColorTable>,
     pub(super) translate: Option<DVec3Value>,
     pub(super) rotate_degrees: Option<DVec3Value>,
     pub(super) scale: Option<f64>,
     pub(super) matrix: Option<[[f64; 4]; 3]>,
+}
+
+/// The colour of one face of a CAD model.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct FaceColorTable {
+    pub(super) face: Spanned<usize>,
+    pub(super) color: Spanned<[f32; 3]>,
 }
 
 #[derive(Deserialize, Default, Clone, Copy, PartialEq)]

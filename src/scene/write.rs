@@ -41,7 +41,8 @@ impl Scene {
     /// Files beside it get its name and a number.
     ///
     /// # Errors
-    /// A picture that cannot be encoded; more trims than the text of a surface can hold; a NURBS surface of more control
+    /// A picture that cannot be encoded; more trims than the text of a surface can hold; more colours of single faces of a
+    /// CAD model than the text of a model can hold (about 4,000); a NURBS surface of more control
     /// points than fit in a file (about 150,000).
     pub fn to_toml(&self, path: &Path) -> Result<SceneText> {
         let mut writer = Writer {
@@ -62,8 +63,10 @@ impl Scene {
         for mesh in &self.meshes {
             writer.mesh(mesh)?;
         }
-        for model in &self.models {
-            writer.model(model);
+        for (number, model) in self.models.iter().enumerate() {
+            let of_model =
+                |surface: &&Surface| surface.face.is_some_and(|face| face.model == number);
+            writer.model(model, self.surfaces.iter().filter(of_model))?;
         }
         Ok(writer.out)
     }
@@ -185,6 +188,9 @@ impl Writer<'_> {
         if surface.cull == Cull::Back {
             self.line("cull", "\"back\"");
         }
+        if surface.hidden {
+            self.line("hidden", true);
+        }
         self.trims(&surface.trims);
         Ok(())
     }
@@ -266,7 +272,13 @@ impl Writer<'_> {
         self.style(&model.paint, model.shading, &model.transform)
     }
 
-    fn model(&mut self, model: &CadModel) {
+    /// Writes a CAD model; of its faces, only which are hidden and whose colours are not those of the file.
+    fn model<'s>(
+        &mut self,
+        model: &CadModel,
+        faces: impl Iterator<Item = &'s Surface>,
+    ) -> Result<()> {
+        let start = self.out.text.len();
         self.header("[[model]]");
         let name = self.name(&model.file);
         self.line("file", name);
@@ -274,6 +286,26 @@ impl Writer<'_> {
             self.line("color", format_args!("{rgb:?}"));
         }
         self.placement(&model.transform);
+        let colors = model.colors()?;
+        let (mut hidden, mut painted) = (Vec::new(), String::new());
+        for surface in faces {
+            let Some(face) = surface.face.map(|face| face.instance) else { continue };
+            if surface.hidden {
+                hidden.push(face);
+            }
+            if let Paint::Color(rgb) = surface.paint
+                && colors.get(face) != Some(&rgb)
+            {
+                let _ = writeln!(painted, "    {{ face = {face}, color = {rgb:?} }},");
+            }
+        }
+        if !hidden.is_empty() {
+            self.line("hide", format_args!("{hidden:?}"));
+        }
+        if !painted.is_empty() {
+            self.line("colors", format_args!("[\n{painted}]"));
+        }
+        check_surface(&self.out.text[start..])
     }
 
     fn style(&mut self, paint: &Paint, shading: Shading, matrix: &DMat4) -> Result<()> {

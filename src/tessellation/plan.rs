@@ -113,6 +113,8 @@ pub(crate) struct SurfacePatches<'a> {
     /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the surface's
     /// matrix mirrors, otherwise 1.
     pub(crate) back: Option<(Eye, f64)>,
+    /// Whether nothing of it is drawn.
+    pub(crate) hidden: bool,
     /// The level is fixed if the frame has one.
     pub(crate) trims: &'a mut SurfaceTrims,
     pub(crate) first_point: u32,
@@ -135,9 +137,12 @@ impl SurfacePatches<'_> {
         })
     }
 
-    /// The needs of up to `TOGETHER` patches from `first` on; `None` for those that face away or
-    /// are out of view.
+    /// The needs of up to `TOGETHER` patches from `first` on; `None` for those that face away, are
+    /// out of view or hidden.
     fn needs<const N: usize>(&self, first: usize, screen: &Screen) -> [Option<Need>; TOGETHER] {
+        if self.hidden {
+            return [None; TOGETHER];
+        }
         let patches = &self.patches::<N>()[first..];
         let none = Candidate { points: &patches[0], is_rational: false, place: 0 };
         let (mut candidates, mut count) = ([none; TOGETHER], 0);
@@ -169,8 +174,8 @@ impl SurfacePatches<'_> {
 pub struct FrameStats {
     /// Number of patches in the scene, including the triangles of its meshes.
     pub patches: usize,
-    /// Number of patches of which nothing was drawn: out of view, cut away by trims, or back-facing if those are
-    /// culled.
+    /// Number of patches of which nothing was drawn: hidden, out of view, cut away by trims, or back-facing if those
+    /// are culled.
     pub culled: usize,
     /// Number of triangles drawn.
     pub triangles: u64,

@@ -42,7 +42,7 @@ impl Renderer {
         output: Output,
     ) -> Result<FrameStats> {
         let mut stats = FrameStats::default();
-        for surface in surfaces {
+        for surface in surfaces.iter_mut().filter(|surface| !surface.surface().hidden) {
             surface.upload_trims(self.gl(), &frame.settings)?;
             self.draw_ported_surface(surface, frame, output, &mut stats)?;
         }

@@ -50,12 +50,18 @@ pub(crate) enum Action {
     Screenshot,
     /// Writes the scene to a file.
     Save,
+    /// Hides the surface that was clicked.
+    Hide,
+    /// Shows all hidden surfaces.
+    ShowAll,
     /// Undoes the last edit.
     Undo,
     /// Redoes the last undone edit.
     Redo,
     /// Shows the help, then nothing, then the panel.
     Help,
+    /// Abandons the file that is being read, or else ends the program.
+    Leave,
     /// Ends the program.
     Quit,
 }
@@ -203,6 +209,8 @@ pub(crate) const BINDINGS: &[Binding] = &[
         ],
         help: "move the camera",
     },
+    Binding { keys: &[(letter('d'), Action::Hide)], help: "hide the face that was clicked" },
+    Binding { keys: &[(letter('a'), Action::ShowAll)], help: "show all faces" },
     Binding { keys: &[(ctrl('z'), Action::Undo)], help: "undo" },
     Binding { keys: &[(ctrl_shift('z'), Action::Redo)], help: "redo" },
     Binding { keys: &[(ctrl('s'), Action::Save)], help: "save the scene beside its file" },
@@ -212,13 +220,14 @@ pub(crate) const BINDINGS: &[Binding] = &[
         help: "help, then nothing, then the panel",
     },
     Binding {
-        keys: &[(plain(Key::Escape), Action::Quit), (ctrl('q'), Action::Quit)],
-        help: "quit",
+        keys: &[(plain(Key::Escape), Action::Leave), (ctrl('q'), Action::Quit)],
+        help: "quit; while a file is read, Esc abandons it",
     },
 ];
 
 /// The mouse bindings, for the same lists.
 pub(crate) const MOUSE: &[(&str, &str)] = &[
+    ("click", "name the face or surface under the cursor, and select it"),
     ("left drag", "turn the camera; on a highlighted control point, move it"),
     ("Shift + left drag, middle drag", "move the camera"),
     ("wheel, right drag", "zoom to the cursor"),

@@ -16,6 +16,7 @@ use winit::window::WindowId;
 
 use super::action::Action;
 use super::gl::GlWindow;
+use super::loading::Loading;
 use super::overlay::Overlay;
 use super::screen::Screen;
 use super::state::{Message, Request, State};
@@ -45,15 +46,30 @@ impl Contents {
 
 /// The time that a changed file must stay unchanged before it is read, because editors write in several steps.
 const REST: Duration = Duration::from_millis(100);
+/// How long the window waits for the first scene before it opens without it.
+const AT_FIRST: Duration = Duration::from_millis(500);
+/// The time between looks whether a scene is read.
+const POLL: Duration = Duration::from_millis(30);
 
 /// Shows a window until it is closed.
 ///
 /// # Errors
 /// The scene cannot be read, or there is no window system or no OpenGL 4.5.
 pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
+    let mut loading = None;
     let scene = match &arguments.scene {
-        Some(path) => arguments.load.load(path)?,
         None => Scene::listing16(),
+        Some(path) => {
+            let reading = Loading::start(arguments.load, path)?;
+            match reading.wait(AT_FIRST) {
+                Some(scene) => scene?,
+                // The window opens empty.
+                None => {
+                    loading = Some((reading, Then::OpenFirst));
+                    Scene::default()
+                }
+            }
+        }
     };
     let no_display = |error: winit::error::EventLoopError| {
         // The text before the last colon names a line of winit's source.
@@ -74,12 +90,27 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         watch: None,
         load: arguments.load,
         read: Vec::new(),
+        loading,
+        poll_at: Some(Instant::now()),
         reload_at: None,
+        frame_at: None,
         frames: 0,
     };
     app.watch();
     events.run_app(&mut app).map_err(no_display)?;
     app.error.map_or(Ok(()), Err)
+}
+
+/// What happens with a scene when it is read.
+enum Then {
+    /// It is the first one: without it there is no window.
+    OpenFirst,
+    /// It is shown.
+    Open,
+    /// It is shown; if it cannot be read, the first of these that can.
+    OpenOneOf(Vec<PathBuf>),
+    /// It replaces the scene that is shown; the camera stays.
+    Reload,
 }
 
 /// The scene's file changed on the disk.
@@ -120,8 +151,14 @@ struct App {
     load: LoadArguments,
     /// The contents of the scene's files when they were last read.
     read: Vec<Contents>,
+    /// The scene that is being read.
+    loading: Option<(Loading, Then)>,
+    /// The time at which to look whether it is read.
+    poll_at: Option<Instant>,
     /// The time at which the changed file will be read.
     reload_at: Option<Instant>,
+    /// The time of the next frame of the panel.
+    frame_at: Option<Instant>,
     frames: u64,
 }
 
@@ -144,19 +181,39 @@ impl ApplicationHandler<Changed> for App {
         }
     }
 
-    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
-        if matches!(cause, StartCause::ResumeTimeReached { .. }) {
-            if self.reload_at.take_if(|then| *then <= Instant::now()).is_some() {
-                self.reload();
-            }
+    fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
+        if !matches!(cause, StartCause::ResumeTimeReached { .. }) {
+            return;
+        }
+        let now = Instant::now();
+        let is_due = |time: &mut Option<Instant>| time.take_if(|then| *then <= now).is_some();
+        if is_due(&mut self.reload_at) {
+            self.reload();
             self.redraw();
         }
+        if is_due(&mut self.poll_at) {
+            self.poll(events);
+        }
+        if is_due(&mut self.frame_at) {
+            self.redraw();
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        if self.loading.is_some() && self.poll_at.is_none() {
+            self.poll_at = Some(Instant::now() + POLL);
+        }
+        let times = [self.frame_at, self.reload_at, self.poll_at];
+        events.set_control_flow(match times.into_iter().flatten().min() {
+            Some(then) => ControlFlow::WaitUntil(then),
+            None => ControlFlow::Wait,
+        });
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
             WindowEvent::CloseRequested => events.exit(),
-            WindowEvent::RedrawRequested => self.draw(events),
+            WindowEvent::RedrawRequested => self.draw(),
             WindowEvent::Resized(size) => {
                 if let Some(shown) = &self.window {
                     shown.gl.resize();
@@ -165,7 +222,7 @@ impl ApplicationHandler<Changed> for App {
                 self.hand_on(&event);
             }
             WindowEvent::DroppedFile(ref path) => {
-                self.open(path);
+                self.start(path, Then::Open);
                 // The panel learns from this event that no file hovers over it any more.
                 self.hand_on(&event);
             }
@@ -195,10 +252,8 @@ impl ApplicationHandler<Changed> for App {
         }
     }
 
-    fn user_event(&mut self, events: &ActiveEventLoop, _: Changed) {
-        let then = Instant::now() + REST;
-        self.reload_at = Some(then);
-        events.set_control_flow(ControlFlow::WaitUntil(then));
+    fn user_event(&mut self, _: &ActiveEventLoop, _: Changed) {
+        self.reload_at = Some(Instant::now() + REST);
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
@@ -227,6 +282,14 @@ impl App {
         match self.state.apply(action) {
             None => {}
             Some(Request::Quit) => events.exit(),
+            Some(Request::Leave) => match self.loading.take() {
+                Some((loading, _)) => {
+                    let message = format!("{} is abandoned", loading.path().display());
+                    self.state.message = Some(Message::Done(message));
+                    self.state.progress = None;
+                }
+                None => events.exit(),
+            },
             Some(Request::NextScene) => self.open_next(),
             Some(Request::Screenshot) => self.screenshot(),
             Some(Request::Save) => self.save(),
@@ -268,26 +331,63 @@ impl App {
         }
     }
 
-    /// Shows another scene. If it cannot be read, the current scene stays.
-    fn open(&mut self, path: &Path) -> bool {
-        let loaded = self.load.load(path);
-        match self.state.report(loaded) {
-            Some(scene) => {
-                self.state.open(scene, Some(path.to_owned()));
-                self.saved = None;
-                self.watch();
-                true
-            }
-            None => false,
+    /// Begins to read a scene, and abandons the one that is being read.
+    fn start(&mut self, path: &Path, then: Then) {
+        self.state.progress = None;
+        let loading = Loading::start(self.load, path);
+        self.loading = self.state.report(loading).map(|loading| (loading, then));
+    }
+
+    /// Begins to read the next scene of the folder that can be read.
+    fn open_next(&mut self) {
+        let next = files::next_scenes(self.state.file().map(PathBuf::as_path));
+        if let Some(next) = self.state.report(next) {
+            self.start_one_of(next);
         }
     }
 
-    /// Shows the next scene of the folder that can be read.
-    fn open_next(&mut self) {
-        let next = files::next_scenes(self.state.file().map(PathBuf::as_path));
-        for path in self.state.report(next).unwrap_or_default() {
-            if self.open(&path) {
-                return;
+    fn start_one_of(&mut self, mut paths: Vec<PathBuf>) {
+        if !paths.is_empty() {
+            let first = paths.remove(0);
+            self.start(&first, Then::OpenOneOf(paths));
+        }
+    }
+
+    /// Shows the scene that is being read if it is complete, and otherwise how far it is. If it cannot be read, the
+    /// current scene stays.
+    fn poll(&mut self, events: &ActiveEventLoop) {
+        let Some((loading, _)) = &self.loading else { return };
+        let Some(result) = loading.wait(Duration::ZERO) else {
+            let progress = loading.progress();
+            if progress != self.state.progress {
+                self.state.progress = progress;
+                self.redraw();
+            }
+            return;
+        };
+        let Some((loading, then)) = self.loading.take() else { return };
+        self.state.progress = None;
+        self.redraw();
+        match (result, then) {
+            (Ok(scene), Then::Reload) => {
+                self.state.reload(scene);
+                // The scene may name other files now.
+                self.watch();
+            }
+            (Ok(scene), _) => {
+                self.state.open(scene, Some(loading.path().to_owned()));
+                self.saved = None;
+                self.watch();
+            }
+            (Err(error), Then::OpenFirst) => {
+                self.error = Some(error);
+                events.exit();
+            }
+            (Err(error), then) => {
+                self.state.report::<()>(Err(error));
+                if let Then::OpenOneOf(others) = then {
+                    self.start_one_of(others);
+                }
             }
         }
     }
@@ -307,22 +407,20 @@ impl App {
         }
     }
 
-    /// Reads the scene's files again. If they cannot be read, the scene stays as it was.
+    /// Begins to read the scene's files again, unless another scene is being read. If they cannot be read, the scene
+    /// stays as it was.
     fn reload(&mut self) {
-        let Some(path) = self.state.file() else { return };
-        // A file whose contents are the same has not changed. Files that cannot be read are reported below.
-        let read: Vec<Contents> =
-            self.read.iter().map(|contents| Contents::of(contents.file.clone())).collect();
-        let loaded = self.load.load(path);
-        let same = read == self.read;
-        self.read = read;
-        if same && loaded.is_ok() {
+        let Some(path) = self.state.file().cloned() else { return };
+        if !matches!(self.loading, None | Some((_, Then::Reload))) {
             return;
         }
-        if let Some(scene) = self.state.report(loaded) {
-            self.state.reload(scene);
-            // The scene may name other files now.
-            self.watch();
+        // A file whose contents are the same has not changed. Files that cannot be read are reported.
+        let read: Vec<Contents> =
+            self.read.iter().map(|contents| Contents::of(contents.file.clone())).collect();
+        let same = read == self.read && read.iter().all(|contents| contents.hash.is_some());
+        self.read = read;
+        if !same {
+            self.start(&path, Then::Reload);
         }
     }
 
@@ -366,13 +464,13 @@ impl App {
         }
     }
 
-    fn draw(&mut self, events: &ActiveEventLoop) {
+    fn draw(&mut self) {
         self.turn();
         let Some(shown) = &self.window else { return };
         let size = shown.gl.window().inner_size();
         if size.width == 0 || size.height == 0 {
             // The window is minimised; nothing is drawn until it is restored.
-            self.wait(events, Duration::MAX);
+            self.frame_at = None;
             return;
         }
         let Some(shown) = &mut self.window else { return };
@@ -416,7 +514,10 @@ impl App {
             log::error!("OpenGL: {error}");
             self.state.message = Some(Message::Error(format!("OpenGL: {error}")));
         }
-        self.wait(events, again);
+        if self.state.turntable || self.state.changed() || again.is_zero() {
+            self.redraw();
+        }
+        self.frame_at = Instant::now().checked_add(again).filter(|_| !again.is_zero());
     }
 
     /// Advances the turntable by the time since the last frame.
@@ -427,18 +528,6 @@ impl App {
             // After a long frame, the turntable turns by at most a tenth of a second.
             self.state.advance((now - last).as_secs_f64().min(0.1));
         }
-    }
-
-    /// Waits for events, or for the time of the next frame.
-    fn wait(&self, events: &ActiveEventLoop, again: Duration) {
-        if self.state.turntable || self.state.changed() || again.is_zero() {
-            self.redraw();
-        }
-        let frame_at = Instant::now().checked_add(again).filter(|_| !again.is_zero());
-        events.set_control_flow(match frame_at.into_iter().chain(self.reload_at).min() {
-            Some(then) => ControlFlow::WaitUntil(then),
-            None => ControlFlow::Wait,
-        });
     }
 }
 

@@ -5,11 +5,12 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::io::{Error, Result};
+use freeform_surface::CadModel;
 
 /// Whether a file's name has the extension of a scene.
 fn is_scene(path: &Path) -> bool {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    matches!(extension.as_deref(), Some("toml" | "bpt" | "obj"))
+    matches!(extension.as_deref(), Some("toml" | "bpt" | "obj")) || CadModel::is_file_of_one(path)
 }
 
 /// The scenes of a folder, sorted by name.
@@ -45,7 +46,7 @@ pub(crate) fn next_scenes(file: Option<&Path>) -> Result<Vec<PathBuf>> {
         return Err(Error::invalid(
             format!("folder {}", folder.display()),
             "without another scene",
-            "a .toml, .bpt or .obj file",
+            "a .toml, .bpt or .obj file, or a CAD model",
         ));
     }
     Ok(scenes)
@@ -80,14 +81,14 @@ mod tests {
     fn scenes_follow_one_another_in_a_circle() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        for name in ["b.toml", "a.bpt", "c.OBJ", "d.png", "e"] {
+        for name in ["b.toml", "a.bpt", "c.OBJ", "d.png", "e", "d.ffm", "f.STEP"] {
             std::fs::write(path(name), "x").unwrap();
         }
         std::fs::create_dir(path("f.toml")).unwrap();
         let next = next_scenes(Some(&path("b.toml"))).unwrap();
-        assert_eq!(next, [path("c.OBJ"), path("a.bpt")]);
+        assert_eq!(next, ["c.OBJ", "d.ffm", "f.STEP", "a.bpt"].map(path));
         // If the file is gone, all scenes of the folder follow.
-        assert_eq!(next_scenes(Some(&path("gone.toml"))).unwrap().len(), 3);
+        assert_eq!(next_scenes(Some(&path("gone.toml"))).unwrap().len(), 5);
         let alone = tempfile::tempdir().unwrap();
         let own = alone.path().join("a.toml");
         std::fs::write(&own, "x").unwrap();

@@ -12,6 +12,8 @@ use super::undo::Change;
 
 /// Dragging over the whole height of the picture zooms by e to this power.
 const DRAG_ZOOM: f64 = 4.0;
+/// The largest distance in pixels that the cursor moves during a click.
+const CLICK_PX: f64 = 2.0;
 
 impl State {
     /// Presses a button at the cursor. This does nothing while another button is held.
@@ -20,6 +22,7 @@ impl State {
             return;
         }
         self.pointer.held = Some(button);
+        self.pointer.is_click = button == Button::Left && !shift;
         self.note_press();
         self.hover();
         let pointer = &mut self.pointer;
@@ -38,7 +41,10 @@ impl State {
     pub(crate) fn release_button(&mut self, button: Button) {
         if self.pointer.held == Some(button) {
             self.pointer.held = None;
-            self.pointer.gesture = Gesture::None;
+            let gesture = std::mem::take(&mut self.pointer.gesture);
+            if self.pointer.is_click && gesture == Gesture::Turn {
+                self.pick_surface(self.pointer.place);
+            }
             self.hover();
         }
     }
@@ -50,6 +56,13 @@ impl State {
 
     /// The cursor moves, over the picture or the panel; returns true if this has a visible effect.
     pub(crate) fn move_to(&mut self, place: DVec2, over_picture: bool) -> bool {
+        let pointer = &mut self.pointer;
+        if pointer.is_click && pointer.gesture == Gesture::Turn {
+            if place.distance(pointer.place) <= CLICK_PX {
+                return false;
+            }
+            pointer.is_click = false;
+        }
         let by = (place - self.pointer.place) * dvec2(1.0, -1.0) / self.size().y;
         self.pointer.place = place;
         if self.pointer.gesture == Gesture::None {

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::{
     FrameStats, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
 };
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::inset::HIGHLIGHT;
 use super::pick::{PICK_PX, on_screen, world_point};
@@ -24,6 +24,7 @@ pub(super) fn show(
     let mut covered = Vec::new();
     let height = (context.content_rect().height() - 60.0).max(40.0);
     highlight(context, state);
+    outline(context, state);
     if state.cover != Cover::Nothing {
         let window = egui::Window::new("freeform")
             .anchor(Align2::RIGHT_TOP, [-8.0, 8.0])
@@ -60,19 +61,45 @@ fn highlight(context: &Context, state: &State) {
     painter.circle_stroke(center, PICK_PX as f32 / scale, Stroke::new(2.0, HIGHLIGHT));
 }
 
-/// The last message, at the bottom.
+/// The outline of the face that was clicked. Parts behind the eye are left out.
+fn outline(context: &Context, state: &State) {
+    let Some(picked) = &state.picked else { return };
+    let (projection, size) = (state.projection(), state.size());
+    let scale = context.pixels_per_point();
+    let painter = context.layer_painter(egui::LayerId::background());
+    for line in &picked.outline {
+        let places: Vec<_> =
+            line.iter().map(|point| on_screen(&projection, size, *point)).collect();
+        for (i, from) in places.iter().enumerate() {
+            let to = places[(i + 1) % places.len()];
+            if let (Some(from), Some(to)) = (from, to) {
+                let place = |at: DVec3| egui::pos2(at.x as f32 / scale, at.y as f32 / scale);
+                painter.line_segment([place(*from), place(to)], Stroke::new(2.0, HIGHLIGHT));
+            }
+        }
+    }
+}
+
+/// How far the scene is that is being read, and the last message, at the bottom.
 fn message(context: &Context, state: &State) {
-    let (text, color) = match &state.message {
-        None => return,
-        Some(Message::Done(text)) => (text, Color32::WHITE),
-        Some(Message::Error(text)) => (text, ERROR),
-    };
+    let message = state.message.as_ref().map(|message| match message {
+        Message::Done(text) => (text, Color32::WHITE),
+        Message::Error(text) => (text, ERROR),
+    });
+    let progress = state.progress.as_ref().map(|text| (text, Color32::WHITE));
+    if message.is_none() && progress.is_none() {
+        return;
+    }
     egui::Window::new("message")
         .title_bar(false)
         .anchor(Align2::LEFT_BOTTOM, [8.0, -8.0])
         .resizable(false)
         .interactable(false)
-        .show(context, |ui| ui.label(RichText::new(text).color(color)));
+        .show(context, |ui| {
+            for (text, color) in message.into_iter().chain(progress) {
+                ui.label(RichText::new(text).color(color));
+            }
+        });
 }
 
 fn help(ui: &mut Ui) {
@@ -247,24 +274,50 @@ fn paint(
     }
 }
 
-/// One surface: its colour, its trims and their inset.
+/// One surface: its colour, whether it is hidden, what is known about the face, and its trims with their inset.
 fn surface(ui: &mut Ui, state: &mut State) {
     let count = state.scene().surfaces.len();
     state.selected = state.selected.min(count - 1);
-    let number = state.selected;
+    let mut number = state.selected;
     ui.horizontal(|ui| {
         ui.label("surface");
         if count > 1 {
-            ui.add(egui::DragValue::new(&mut state.selected).range(0..=count - 1));
+            ui.add(egui::DragValue::new(&mut number).range(0..=count - 1));
+        }
+        if number != state.selected {
+            state.select(Some(number));
         }
         paint(ui, state, |scene, i| &scene.surfaces[i].paint, Change::SurfacePaint, number);
     });
+    if let Some(picked) = state.picked.as_ref().filter(|picked| picked.surface == number) {
+        ui.label(&picked.facts);
+    }
+    hidden(ui, state, number);
     let surface = &state.scene().surfaces[number];
+    if surface.face.is_some() {
+        return;
+    }
     let edited = numbers(ui, &surface.trims).map(Ok);
     if let Some(trims) = inset::show(ui, &surface.trims, surface.domain()).or(edited) {
         let done = trims.and_then(|trims| state.edit(vec![Change::Trims(number, Box::new(trims))]));
         state.report(done);
     }
+}
+
+/// Whether a surface is hidden, and a button that shows all that are.
+fn hidden(ui: &mut Ui, state: &mut State, number: usize) {
+    let mut hidden = state.scene().surfaces[number].hidden;
+    let count = state.hidden_count();
+    ui.horizontal(|ui| {
+        let edited = if ui.checkbox(&mut hidden, "hide").changed() {
+            state.edit(vec![Change::Hidden(number, hidden)])
+        } else if count > 0 && ui.button(format!("show all ({count} hidden)")).clicked() {
+            state.show_all()
+        } else {
+            Ok(())
+        };
+        state.report(edited);
+    });
 }
 
 /// Fields for the values of shapes, if there are only a few, and the number of loops. Returns the changed trims

@@ -26,13 +26,14 @@ pub(crate) fn on_screen(projection: &ViewProjection, size: DVec2, point: DVec3) 
 }
 
 /// The point of the world at a place of the picture.
-fn in_world(projection: &ViewProjection, size: DVec2, place: DVec3) -> DVec3 {
+pub(crate) fn in_world(projection: &ViewProjection, size: DVec2, place: DVec3) -> DVec3 {
     let part = place.xy() / size;
     let ndc = dvec2(2.0 * part.x - 1.0, 1.0 - 2.0 * part.y).extend(place.z);
     (projection.projection * projection.view).inverse().project_point3(ndc)
 }
 
-/// The control point nearest to the cursor, if it is close enough.
+/// The control point nearest to the cursor, if it is close enough. Those of faces of CAD models cannot be moved and
+/// are not picked.
 pub(crate) fn pick(
     scene: &Scene,
     projection: &ViewProjection,
@@ -40,7 +41,10 @@ pub(crate) fn pick(
     cursor: DVec2,
 ) -> Option<PointId> {
     let mut nearest = (PICK_PX, None);
-    for (number, surface) in scene.surfaces.iter().enumerate() {
+    let movable = |surface: &Surface| surface.face.is_none() && !surface.hidden;
+    for (number, surface) in
+        scene.surfaces.iter().enumerate().filter(|(_, surface)| movable(surface))
+    {
         for (index, point) in surface.world_points().enumerate() {
             let Some(place) = on_screen(projection, size, point) else { continue };
             let distance = place.xy().distance(cursor);

@@ -32,6 +32,8 @@ pub(crate) struct Pointer {
     pub(super) gesture: Gesture,
     /// The button that began the gesture.
     pub(super) held: Option<Button>,
+    /// Whether the press is a click until now: the cursor has not moved.
+    pub(super) is_click: bool,
     pub(super) hovered: Option<PointId>,
 }
 

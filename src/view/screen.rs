@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use freeform_surface::{
-    Frame, FrameStats, Framebuffer, Gl, Image, PreparedScene, Renderer, Result, Samples, Scene,
+    Frame, FrameStats, Framebuffer, Gl, Image, Paint, PreparedScene, Renderer, Result, Samples,
+    Scene, Surface,
 };
 
 use super::state::{Changes, State};
@@ -117,7 +118,14 @@ impl Screen {
             self.target = Framebuffer::for_samples(self.renderer.gl(), size.into(), samples)?;
             self.samples = samples;
         }
-        if changes.scene {
+        // A picture needs a new texture.
+        let is_color = |surface: &Surface| matches!(surface.paint, Paint::Color(_));
+        let repaints = |number: &usize| {
+            let [before, after] =
+                [self.prepared.surfaces()[*number].surface(), &scene.surfaces[*number]];
+            before.paint != after.paint && !(is_color(before) && is_color(after))
+        };
+        if changes.scene || changes.styles.iter().any(repaints) {
             self.prepared = PreparedScene::new(&self.renderer, scene)?;
             return Ok(());
         }
@@ -125,6 +133,13 @@ impl Screen {
         for id in &changes.points {
             let point = scene.surfaces[id.surface].control_points()[id.index];
             surfaces[id.surface].set_control_point(point, id.index)?;
+        }
+        for number in &changes.styles {
+            let Surface { hidden, paint, .. } = &scene.surfaces[*number];
+            surfaces[*number].set_hidden(*hidden);
+            if let Paint::Color(rgb) = paint {
+                surfaces[*number].set_color(*rgb);
+            }
         }
         for surface in &changes.trims {
             surfaces[*surface].set_trims(scene.surfaces[*surface].trims.clone())?;

@@ -13,6 +13,7 @@ use glam::{DVec2, dvec2};
 
 use super::action::Action;
 use super::camera::{self, Mover};
+use super::faces::{Picked, without_shapes_of_faces};
 use super::pick::{PointId, pick};
 use super::pointer::Pointer;
 use super::trims::{PutBy, switched};
@@ -36,6 +37,7 @@ const TURNTABLE: f64 = 0.5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Request {
     Quit,
+    Leave,
     Screenshot,
     Save,
     NextScene,
@@ -60,6 +62,8 @@ pub(crate) struct Changes {
     pub(crate) points: Vec<PointId>,
     /// Surfaces whose trims changed.
     pub(crate) trims: Vec<usize>,
+    /// Surfaces whose paint changed, or that were hidden or shown.
+    pub(crate) styles: Vec<usize>,
 }
 
 /// A line of text for the user.
@@ -93,10 +97,14 @@ pub(crate) struct State {
     pub(crate) turntable: bool,
     /// The surface whose trims the panel shows.
     pub(crate) selected: usize,
+    /// The surface that was clicked.
+    pub(crate) picked: Option<Picked>,
     /// The mesh whose colour the panel shows.
     pub(crate) selected_mesh: usize,
     pub(crate) cover: Cover,
     pub(crate) message: Option<Message>,
+    /// How far the scene is that is being read.
+    pub(crate) progress: Option<String>,
 }
 
 impl State {
@@ -117,9 +125,11 @@ impl State {
             changes: Changes::default(),
             turntable: false,
             selected: 0,
+            picked: None,
             selected_mesh: 0,
             cover: Cover::Panel,
             message: None,
+            progress: None,
         };
         state.open(state.scene.clone(), file);
         state
@@ -153,6 +163,7 @@ impl State {
         self.nested.clear();
         self.other_paints.clear();
         self.pointer.let_go();
+        self.picked = None;
         self.message = None;
         self.changes = Changes { picture: true, scene: true, ..Changes::default() };
     }
@@ -227,6 +238,7 @@ impl State {
         self.message = None;
         let done = match action {
             Action::Quit => return Some(Request::Quit),
+            Action::Leave => return Some(Request::Leave),
             Action::Screenshot => return Some(Request::Screenshot),
             Action::Save => return Some(Request::Save),
             Action::NextScene => return Some(Request::NextScene),
@@ -269,9 +281,11 @@ impl State {
             Action::LargerTolerance => self.step_tolerance(true),
             Action::SmallerTolerance => self.step_tolerance(false),
             Action::Wireframe => {
-                let settings = &mut self.scene.settings;
+                let Scene { settings, surfaces, .. } = &mut self.scene;
                 settings.wireframe = !settings.wireframe;
-                settings.control_points = settings.wireframe;
+                // The thousands of points of a CAD model would hide it, and cannot be moved.
+                let has_own = surfaces.iter().any(|surface| surface.face.is_none());
+                settings.control_points = settings.wireframe && has_own;
                 settings.red_lines = settings.wireframe;
                 Ok(())
             }
@@ -299,6 +313,8 @@ impl State {
             Action::Zoom(steps) => {
                 self.look(camera::zoom(&camera, ZOOM.powi(steps.into()), DVec2::ZERO))
             }
+            Action::Hide => self.hide(),
+            Action::ShowAll => self.show_all(),
             Action::Undo | Action::Redo => {
                 self.step_history(action == Action::Undo);
                 Ok(())
@@ -309,6 +325,7 @@ impl State {
             | Action::Screenshot
             | Action::Save
             | Action::Help
+            | Action::Leave
             | Action::Quit => Ok(()),
         }
     }
@@ -406,11 +423,12 @@ impl State {
         self.changes.picture = true;
     }
 
-    /// Applies changes to the scene so that they can be undone.
+    /// Applies changes to the scene so that they can be undone. Those of the shape of a CAD model's faces are left out.
     ///
     /// # Errors
-    /// The trims are not finite, or the thesis' method is in use and cannot cut them.
+    /// The trims are not finite, or the thesis' method is in use and cannot cut them; all changes are left out.
     pub(crate) fn edit(&mut self, edits: Vec<Change>) -> Result<()> {
+        let edits = without_shapes_of_faces(&self.scene, edits)?;
         if edits.is_empty() {
             return Ok(());
         }
@@ -539,7 +557,10 @@ fn note(changes: &mut Changes, edits: &[Change]) {
         match part {
             Change::Point(id, _) => changes.points.push(*id),
             Change::Trims(surface, _) => changes.trims.push(*surface),
-            Change::SurfacePaint(..) | Change::MeshPaint(..) => changes.scene = true,
+            Change::SurfacePaint(surface, _) | Change::Hidden(surface, _) => {
+                changes.styles.push(*surface);
+            }
+            Change::MeshPaint(..) => changes.scene = true,
         }
     }
 }

@@ -17,6 +17,8 @@ pub(crate) enum Change {
     Trims(usize, Box<Trims>),
     /// The colour or picture of a surface.
     SurfacePaint(usize, Paint),
+    /// Whether a surface is hidden.
+    Hidden(usize, bool),
     /// The colour or picture of a mesh.
     MeshPaint(usize, Paint),
 }
@@ -42,6 +44,11 @@ impl Change {
                     std::mem::swap(&mut surface.paint, paint);
                 }
             }
+            Self::Hidden(surface, hidden) => {
+                if let Some(surface) = scene.surfaces.get_mut(*surface) {
+                    std::mem::swap(&mut surface.hidden, hidden);
+                }
+            }
             Self::MeshPaint(mesh, paint) => {
                 if let Some(mesh) = scene.meshes.get_mut(*mesh) {
                     std::mem::swap(&mut mesh.paint, paint);
@@ -57,6 +64,7 @@ impl Change {
             (Self::Trims(a, _), Self::Trims(b, _))
             | (Self::SurfacePaint(a, _), Self::SurfacePaint(b, _))
             | (Self::MeshPaint(a, _), Self::MeshPaint(b, _)) => a == b,
+            (Self::Hidden(a, _), Self::Hidden(b, _)) => a == b,
             _ => false,
         }
     }

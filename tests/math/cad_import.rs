@@ -1,6 +1,7 @@
 //! Real STEP, IGES and BREP files, read by the helper program. Left out where the helper (`sh setup.sh cad`) or the files
 //! are absent.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use freeform_surface::model::{ImportOptions, import};
@@ -28,7 +29,7 @@ fn folder() -> PathBuf {
 
 /// The text of a file's model; `None` if the helper is absent.
 fn model_of(path: &Path) -> Option<Result<String, String>> {
-    match import(path, &ImportOptions::default(), |_| ()) {
+    match import(path, &ImportOptions::default(), |_| ControlFlow::Continue(())) {
         Err(error) if error.to_string().contains("setup.sh cad") => {
             eprintln!("left out: {error}");
             None

@@ -24,6 +24,8 @@ pub(crate) struct Screen {
     folder: TempDir,
     window: String,
     frames: Arc<AtomicU64>,
+    /// The number of files that are being read.
+    reading: Arc<AtomicU64>,
     log: Arc<Mutex<String>>,
     size: (u32, u32),
 }
@@ -64,14 +66,20 @@ impl Screen {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let (frames, log) = (Arc::new(AtomicU64::new(0)), Arc::new(Mutex::new(String::new())));
+        let [frames, reading] = [0, 0].map(|start| Arc::new(AtomicU64::new(start)));
+        let log = Arc::new(Mutex::new(String::new()));
         let errors = program.stderr.take().unwrap();
         std::thread::spawn({
-            let (frames, log) = (Arc::clone(&frames), Arc::clone(&log));
+            let (frames, reading) = (Arc::clone(&frames), Arc::clone(&reading));
+            let log = Arc::clone(&log);
             move || {
                 for line in BufReader::new(errors).lines().map_while(Result::ok) {
                     if line.contains("debug: frame ") {
                         frames.fetch_add(1, Ordering::SeqCst);
+                    } else if line.contains("debug: reading ") {
+                        reading.fetch_add(1, Ordering::SeqCst);
+                    } else if line.contains("debug: ended reading ") {
+                        reading.fetch_sub(1, Ordering::SeqCst);
                     } else {
                         let mut log = log.lock().unwrap();
                         log.push_str(&line);
@@ -82,7 +90,8 @@ impl Screen {
         });
         let size = (1000, 600);
         let window = String::new();
-        let mut screen = Self { server, program, display, folder, window, frames, log, size };
+        let mut screen =
+            Self { server, program, display, folder, window, frames, reading, log, size };
         let start = Instant::now();
         while screen.frames() == 0 {
             assert!(start.elapsed() < LONG, "no frame: {}", screen.log());
@@ -109,18 +118,18 @@ impl Screen {
         String::from_utf8(output.stdout).unwrap()
     }
 
-    /// The program's output, except for its lines about frames.
+    /// The program's output, except for its lines about frames and files.
     pub(crate) fn log(&self) -> String {
         self.log.lock().unwrap().clone()
     }
 
-    /// Waits until nothing is drawn any more.
+    /// Waits until nothing is read or drawn any more.
     pub(crate) fn rest(&self) {
         assert!(self.rests_within(LONG), "it never rests: {}", self.log());
         assert_eq!(self.log(), "", "errors and warnings");
     }
 
-    /// Waits until nothing is drawn any more, but not longer than `limit`; returns false if it still draws.
+    /// Waits until nothing is read or drawn any more, but not longer than `limit`; returns false if it still is.
     pub(crate) fn rests_within(&self, limit: Duration) -> bool {
         let start = Instant::now();
         let mut last = (self.frames(), Instant::now());
@@ -130,7 +139,7 @@ impl Screen {
             }
             std::thread::sleep(Duration::from_millis(10));
             let frames = self.frames();
-            if frames != last.0 {
+            if frames != last.0 || self.reading.load(Ordering::SeqCst) > 0 {
                 last = (frames, Instant::now());
             }
         }

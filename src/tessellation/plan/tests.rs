@@ -43,6 +43,7 @@ fn many_patches_need_what_each_needs_alone() {
                 rounding: Rounding::new(&to_clip, 1.0),
                 cones: &cones,
                 back,
+                hidden: false,
                 trims: &mut trims,
                 first_point: 0,
                 first_patch: 0,

@@ -69,6 +69,10 @@ fn every_action_of_the_table_does_something() {
             let mut state = State::new(if on_mesh { mesh() } else { Scene::listing16() }, None);
             // An edit to undo, and a camera to reset.
             press(&mut state, &[Action::Turn(1, 1), Action::Trim(TrimKind::Rect)]);
+            state.select(Some(0));
+            if *action == Action::ShowAll {
+                press(&mut state, &[Action::Hide]);
+            }
             if *action == Action::Redo {
                 press(&mut state, &[Action::Undo]);
             }
