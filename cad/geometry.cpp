@@ -12,6 +12,7 @@
 #include <Geom_BezierCurve.hxx>
 #include <Geom_BezierSurface.hxx>
 #include <Geom_Circle.hxx>
+#include <Geom_Conic.hxx>
 #include <Geom_ConicalSurface.hxx>
 #include <Geom_CylindricalSurface.hxx>
 #include <Geom_Ellipse.hxx>
@@ -30,6 +31,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 /// The largest degree of the format.
 static const int MAX_DEGREE = 15;
@@ -58,6 +60,26 @@ static bool crosses(Range range, Range domain) {
 /// The parameter plus or minus whole periods, within a domain that is one period.
 static double within(double parameter, Range domain) {
     return parameter - std::floor((parameter - domain.first) / domain.length()) * domain.length();
+}
+
+/// The smallest and the largest weight of the format.
+static const double MIN_WEIGHT = 1e-9, MAX_WEIGHT = 1e9;
+
+static double radius(double value) {
+    if (!(value > 0.0)) throw std::runtime_error("a radius is not above 0");
+    return value;
+}
+
+static double weight(double value) {
+    if (!(value >= MIN_WEIGHT && value <= MAX_WEIGHT)) throw std::runtime_error("a weight is not from 1e-9 to 1e9");
+    return value;
+}
+
+/// An angle's range, cut to one turn where rounding makes it longer.
+static Range turn(Range range) {
+    const double longest = 2.0 * M_PI;
+    if (range.length() > longest * (1.0 + 1e-3)) throw std::runtime_error("a range of more than one turn");
+    return {range.first, std::min(range.last, range.first + longest)};
 }
 
 static void write_knots(Text& text, const TColStd_Array1OfReal& knots, double shift) {
@@ -119,14 +141,17 @@ void write_curve(Text& text, const Handle(Geom_Curve)& curve, Range range, Appro
     if (Precision::IsInfinite(range.first) || Precision::IsInfinite(range.last)) {
         throw std::runtime_error("a curve without ends");
     }
+    if (!(range.first < range.last)) throw std::runtime_error("a curve without length");
+    if (curve->IsKind(STANDARD_TYPE(Geom_Conic)) && curve->IsPeriodic()) range = turn(range);
     if (const auto line = Handle(Geom_Line)::DownCast(curve); !line.IsNull()) {
         const gp_Ax1& axis = line->Position();
         text << "range" << range.first << range.last << "line" << axis.Location().XYZ() << axis.Direction().XYZ();
     } else if (const auto circle = Handle(Geom_Circle)::DownCast(curve); !circle.IsNull()) {
-        text << "range" << range.first << range.last << "circle" << gp_Ax3(circle->Position()) << circle->Radius();
+        text << "range" << range.first << range.last << "circle" << gp_Ax3(circle->Position())
+             << radius(circle->Radius());
     } else if (const auto ellipse = Handle(Geom_Ellipse)::DownCast(curve); !ellipse.IsNull()) {
         text << "range" << range.first << range.last << "ellipse" << gp_Ax3(ellipse->Position())
-             << ellipse->MajorRadius() << ellipse->MinorRadius();
+             << radius(ellipse->MajorRadius()) << radius(ellipse->MinorRadius());
     } else {
         double shift = 0.0;
         const Handle(Geom_BSplineCurve) bspline = to_bspline(curve, range, approximation, shift);
@@ -139,7 +164,7 @@ void write_curve(Text& text, const Handle(Geom_Curve)& curve, Range range, Appro
         write_knots(text, bspline->KnotSequence(), shift);
         text << "points" << bspline->NbPoles();
         for (int index = 1; index <= bspline->NbPoles(); ++index) {
-            text << bspline->Pole(index).XYZ() << bspline->Weight(index);
+            text << bspline->Pole(index).XYZ() << weight(bspline->Weight(index));
         }
     }
 }
@@ -229,6 +254,7 @@ static Spline to_bspline(const Handle(Geom_Surface)& surface, Range u, Range v, 
 static void write_bspline(Text& text, const Spline& spline, Range& u, Range& v) {
     u = clamp(u, spline.u());
     v = clamp(v, spline.v());
+    if (!(u.first < u.last && v.first < v.last)) throw std::runtime_error("its bounds are beside its surface");
     const Handle(Geom_BSplineSurface)& surface = spline.surface;
     text << "nurbs" << "degree" << surface->UDegree() << surface->VDegree();
     write_knots(text, surface->UKnotSequence(), spline.shift_u);
@@ -236,25 +262,38 @@ static void write_bspline(Text& text, const Spline& spline, Range& u, Range& v) 
     text << "points" << surface->NbUPoles() << surface->NbVPoles();
     for (int row = 1; row <= surface->NbVPoles(); ++row) {
         for (int column = 1; column <= surface->NbUPoles(); ++column) {
-            text << surface->Pole(column, row).XYZ() << surface->Weight(column, row);
+            text << surface->Pole(column, row).XYZ() << weight(surface->Weight(column, row));
         }
     }
 }
 
+/// Whether u and v of a surface are angles.
+static std::pair<bool, bool> are_angles(const Handle(Geom_Surface)& surface) {
+    const bool of_torus = surface->IsKind(STANDARD_TYPE(Geom_ToroidalSurface));
+    const bool around = of_torus || surface->IsKind(STANDARD_TYPE(Geom_CylindricalSurface)) ||
+                        surface->IsKind(STANDARD_TYPE(Geom_ConicalSurface)) ||
+                        surface->IsKind(STANDARD_TYPE(Geom_SphericalSurface)) ||
+                        surface->IsKind(STANDARD_TYPE(Geom_SurfaceOfRevolution));
+    return {around, of_torus};
+}
+
 void write_surface(Text& text, const Handle(Geom_Surface)& surface, Range& u, Range& v,
                    Approximation& approximation) {
+    const auto [u_is_angle, v_is_angle] = are_angles(surface);
+    if (u_is_angle) u = turn(u);
+    if (v_is_angle) v = turn(v);
     if (const auto trimmed = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface); !trimmed.IsNull()) {
         write_surface(text, trimmed->BasisSurface(), u, v, approximation);
     } else if (const auto plane = Handle(Geom_Plane)::DownCast(surface); !plane.IsNull()) {
         text << "plane" << plane->Position();
     } else if (const auto cylinder = Handle(Geom_CylindricalSurface)::DownCast(surface); !cylinder.IsNull()) {
-        text << "cylinder" << cylinder->Position() << cylinder->Radius();
+        text << "cylinder" << cylinder->Position() << radius(cylinder->Radius());
     } else if (const auto cone = Handle(Geom_ConicalSurface)::DownCast(surface); !cone.IsNull()) {
         text << "cone" << cone->Position() << cone->RefRadius() << cone->SemiAngle();
     } else if (const auto sphere = Handle(Geom_SphericalSurface)::DownCast(surface); !sphere.IsNull()) {
-        text << "sphere" << sphere->Position() << sphere->Radius();
+        text << "sphere" << sphere->Position() << radius(sphere->Radius());
     } else if (const auto torus = Handle(Geom_ToroidalSurface)::DownCast(surface); !torus.IsNull()) {
-        text << "torus" << torus->Position() << torus->MajorRadius() << torus->MinorRadius();
+        text << "torus" << torus->Position() << torus->MajorRadius() << radius(torus->MinorRadius());
     } else if (const auto turned = Handle(Geom_SurfaceOfRevolution)::DownCast(surface); !turned.IsNull()) {
         const gp_Ax1 axis = turned->Axis();
         text << "revolution" << "origin" << axis.Location().XYZ() << "axis" << axis.Direction().XYZ();
@@ -286,6 +325,6 @@ void write_pcurve(Text& text, const Handle(Geom2d_Curve)& curve, Range range) {
     text << "points" << bspline->NbPoles();
     for (int index = 1; index <= bspline->NbPoles(); ++index) {
         const gp_Pnt2d pole = bspline->Pole(index);
-        text << pole.X() << pole.Y() << bspline->Weight(index);
+        text << pole.X() << pole.Y() << weight(bspline->Weight(index));
     }
 }

@@ -120,7 +120,16 @@ int ModelWriter::product(const std::string& name, const Color& color, const std:
     if (!name.empty()) (record << "name").quoted(name);
     if (color) write_color(record, *color);
     Text uses;
-    for (const TDF_Label& label : used) write_use(uses, label, product(product_of(label)));
+    for (const TDF_Label& label : used) {
+        const int number = product(product_of(label));
+        try {
+            Text use;
+            write_use(use, label, number);
+            uses << use.str().c_str();
+        } catch (const std::exception& error) {
+            log("warning: a use of product " + std::to_string(number) + " is left out: " + error.what());
+        }
+    }
 
     TopTools_IndexedMapOfShape faces, edges;
     Looks looks;

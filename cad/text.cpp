@@ -8,6 +8,9 @@
 /// The longest text that is written in quotes, in bytes; the format allows 4,096 with all escapes.
 static const size_t MAX_TEXT = 1000;
 
+/// The largest number of the format.
+static const double MAX_NUMBER = 1e15;
+
 Text& Text::operator<<(const char* word) {
     if (!text.empty() && text.back() != '\n') text += ' ';
     text += word;
@@ -19,7 +22,7 @@ Text& Text::operator<<(int number) {
 }
 
 Text& Text::operator<<(double number) {
-    if (!std::isfinite(number)) throw std::domain_error("a number is not finite");
+    if (!(std::abs(number) <= MAX_NUMBER)) throw std::domain_error("a number is not finite or above 1e15");
     char digits[32];
     *std::to_chars(digits, digits + sizeof digits - 1, number).ptr = 0;
     return *this << digits;

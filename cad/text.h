@@ -13,7 +13,7 @@ public:
     /// A word of the grammar.
     Text& operator<<(const char* word);
     Text& operator<<(int number);
-    /// The shortest decimal number that gives the same value. Throws if it is not finite.
+    /// The shortest decimal number that gives the same value. Throws if it is not finite or above 1e15.
     Text& operator<<(double number);
     /// Three numbers.
     Text& operator<<(const gp_XYZ& vector);

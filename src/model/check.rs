@@ -68,10 +68,12 @@ impl BoundedCurve {
             }
             Curve::Circle { frame, radius } => {
                 frame.check("circle")?;
+                at_most_a_turn("range of the circle", self.range)?;
                 above_zero("radius of the circle", *radius)
             }
             Curve::Ellipse { frame, radii } => {
                 frame.check("ellipse")?;
+                at_most_a_turn("range of the ellipse", self.range)?;
                 radii.iter().try_for_each(|radius| above_zero("radius of the ellipse", *radius))
             }
             Curve::Nurbs(curve) => {
@@ -102,6 +104,7 @@ impl Face {
         check_color(self.color)?;
         self.check_bounds()?;
         self.surface.check()?;
+        self.check_turns()?;
         for (number, coedges) in self.loops.iter().enumerate() {
             let check = || {
                 check_loop(coedges.len())?;
@@ -120,6 +123,26 @@ impl Face {
         let [low, high] = self.bounds;
         rising("u of the bounds", [low.x, high.x])?;
         rising("v of the bounds", [low.y, high.y])
+    }
+
+    /// Refuses bounds that go around an axis more than once.
+    pub(super) fn check_turns(&self) -> Result<()> {
+        let [low, high] = self.bounds;
+        let (along_u, along_v) = match self.surface {
+            FaceSurface::Cylinder { .. }
+            | FaceSurface::Cone { .. }
+            | FaceSurface::Sphere { .. }
+            | FaceSurface::Revolution { .. } => (true, false),
+            FaceSurface::Torus { .. } => (true, true),
+            _ => (false, false),
+        };
+        if along_u {
+            at_most_a_turn("u of the bounds", [low.x, high.x])?;
+        }
+        if along_v {
+            at_most_a_turn("v of the bounds", [low.y, high.y])?;
+        }
+        Ok(())
     }
 }
 
@@ -229,6 +252,15 @@ impl super::ProductUse {
         }
         Ok(())
     }
+}
+
+/// Refuses a range of angles that is longer than a circle, except by rounding.
+fn at_most_a_turn(name: &str, [first, last]: [f64; 2]) -> Result<()> {
+    const ROUNDING: f64 = 1e-6;
+    if last - first <= std::f64::consts::TAU * (1.0 + ROUNDING) {
+        return Ok(());
+    }
+    Err(Error::invalid(name, shorts(&[first, last]), "at most one turn, 2π"))
 }
 
 pub(super) fn check_name(name: &str) -> Result<()> {

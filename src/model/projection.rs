@@ -38,7 +38,7 @@ pub(super) struct Traced {
 }
 
 /// Where p-curves are compared with their edges.
-const CHECKS: u32 = 33;
+const CHECKS: usize = 33;
 
 impl<'a> Trace<'a> {
     /// The file's p-curve.
@@ -250,7 +250,8 @@ fn places([low, high]: [f64; 2], knots: &[f64], degree: usize, min: usize) -> Ve
     let mut ends: Vec<f64> =
         [low].into_iter().chain(inside.filter(|t| low < *t && *t < high)).chain([high]).collect();
     ends.dedup();
-    let each = min.div_ceil(ends.len() - 1).max(2) as u32;
+    // Fewer would miss what a span does between its ends.
+    let each = min.div_ceil(ends.len() - 1).max(degree + 1) as u32;
     let mut places: Vec<f64> = Vec::new();
     for pair in ends.windows(2) {
         places.pop();
@@ -283,7 +284,8 @@ pub(super) fn nearest_on(curve: &BoundedCurve, point: DVec3, mut t: f64) -> (f64
     (t, here.distance(point))
 }
 
-/// The largest distance of a p-curve from its edge at 33 places; infinite if it does not follow the edge.
+/// The largest distance of a p-curve from its edge, at several places in each of its spans and at least at 33; infinite
+/// if it does not follow the edge.
 pub(super) fn pcurve_distance(
     sheet: &Sheet<'_>,
     pcurve: &NurbsCurve<DVec3>,
@@ -293,12 +295,12 @@ pub(super) fn pcurve_distance(
     let ([low, high], [first, last]) = (pcurve.domain(), edge.range);
     let mut largest: f64 = 0.0;
     let mut shift = 0.0;
-    for i in 0..CHECKS {
-        let share = f64::from(i) / f64::from(CHECKS - 1);
-        let uv = pcurve.at(low + share * (high - low))[0];
+    for s in places([low, high], pcurve.knots(), pcurve.degree(), CHECKS - 1) {
+        let share = (s - low) / (high - low);
+        let uv = pcurve.at(s)[0];
         let point = sheet.at(uv).position;
         let place = first + share * (last - first);
-        let at_end = i == 0 || i == CHECKS - 1;
+        let at_end = s == low || s == high;
         let (t, mut distance) = if at_end {
             (place, edge.curve.at(place)[0].distance(point))
         } else {

@@ -246,6 +246,7 @@ impl<R: BufRead> Reader<'_, R> {
         self.checked(face.check_bounds())?;
         face.surface = self.surface()?;
         self.checked(face.surface.check())?;
+        self.checked(face.check_turns())?;
         while self.words.accept("loop")? {
             let coedges = self.coedges()?;
             push(&mut face.loops, usize::MAX, coedges);

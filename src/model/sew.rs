@@ -5,6 +5,7 @@ use std::collections::HashMap;
 
 use glam::{DVec3, I64Vec3};
 
+use super::projection::nearest_on;
 use super::{BoundedCurve, Curve, Model, NurbsCurve};
 
 /// Inner places at which edges are compared.
@@ -13,56 +14,102 @@ const PLACES: u32 = 9;
 /// An edge that one face alone uses, once.
 struct OpenEdge {
     edge: usize,
+    face: usize,
     product: usize,
     ends: [DVec3; 2],
 }
 
-/// Another edge that is the same.
+/// How an edge is the same as another one.
 struct Same {
-    edge: usize,
+    /// Whether it runs the other way.
     reversed: bool,
     /// The largest distance between the two.
     apart: f64,
 }
 
-impl Model {
-    /// Joins edges of a product's faces that no two faces share and that lie within `tolerance` of each other, and returns
-    /// how many were joined. Each face keeps its p-curves. Edges shorter than the tolerance stay as they are.
-    pub fn sew(&mut self, tolerance: f64) -> usize {
-        let open = self.open_edges(tolerance);
-        // The middle between its ends finds an edge in either direction.
-        let cell = |ends: &[DVec3; 2]| {
-            (ends[0].midpoint(ends[1]) / (2.0 * tolerance)).floor().as_i64vec3()
-        };
-        let mut cells: HashMap<I64Vec3, Vec<usize>> = HashMap::new();
+/// Open edges by the middle between their ends, which finds an edge in either direction.
+struct Cells {
+    size: f64,
+    /// The numbers of the edges of a product in each cell.
+    edges: HashMap<(usize, I64Vec3), Vec<usize>>,
+    is_taken: Vec<bool>,
+}
+
+impl Cells {
+    fn new(open: &[OpenEdge], tolerance: f64) -> Self {
+        let is_taken = vec![false; open.len()];
+        let mut cells = Self { size: 2.0 * tolerance, edges: HashMap::new(), is_taken };
         for (number, edge) in open.iter().enumerate() {
-            cells.entry(cell(&edge.ends)).or_default().push(number);
+            cells.edges.entry((edge.product, cells.cell(edge))).or_default().push(number);
         }
-        let mut is_taken = vec![false; open.len()];
+        cells
+    }
+
+    fn cell(&self, edge: &OpenEdge) -> I64Vec3 {
+        (edge.ends[0].midpoint(edge.ends[1]) / self.size).floor().as_i64vec3()
+    }
+
+    /// The other edges near an edge that is not taken yet.
+    fn near(&self, number: usize, edge: &OpenEdge) -> impl Iterator<Item = usize> {
+        let middle = self.cell(edge);
+        let cells =
+            (0..27).map(move |i| middle + I64Vec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+        let cells = cells.filter(move |_| !self.is_taken[number]);
+        let edges = cells.filter_map(|cell| self.edges.get(&(edge.product, cell)));
+        edges.flatten().copied().filter(move |other| *other != number)
+    }
+
+    /// Takes an edge out of its cell.
+    fn take(&mut self, number: usize, edge: &OpenEdge) {
+        self.is_taken[number] = true;
+        let key = (edge.product, self.cell(edge));
+        if let Some(numbers) = self.edges.get_mut(&key)
+            && let Some(place) = numbers.iter().position(|other| *other == number)
+        {
+            numbers.swap_remove(place);
+        }
+    }
+}
+
+impl Model {
+    /// Joins edges of a product's faces that no two faces share and that lie within `tolerance` of each other, and
+    /// returns how many were joined. Each face keeps its p-curves. Edges shorter than the tolerance stay as they are, and
+    /// so do two edges of one face, unless they are equal up to rounding: a seam.
+    pub fn sew(&mut self, tolerance: f64) -> usize {
+        /// A share of the tolerance: edges that are this near are equal.
+        const EQUAL: f64 = 1e-3;
+        let open = self.open_edges(tolerance);
+        let mut cells = Cells::new(&open, tolerance);
         let mut joined: HashMap<usize, (usize, bool)> = HashMap::new();
-        for (number, edge) in open.iter().enumerate() {
-            if is_taken[number] {
-                continue;
+        let mut join = |cells: &mut Cells, [one, other]: [usize; 2], reversed: bool| {
+            cells.take(one, &open[one]);
+            cells.take(other, &open[other]);
+            joined.insert(open[other].edge, (open[one].edge, reversed));
+        };
+        // Equal edges first, without a comparison of all with all where many are equal.
+        for number in 0..open.len() {
+            let equal = cells.near(number, &open[number]).find_map(|other| {
+                let same = self.compare(&open[number], &open[other], EQUAL * tolerance)?;
+                Some((other, same.reversed))
+            });
+            if let Some((other, reversed)) = equal {
+                join(&mut cells, [number, other], reversed);
             }
-            let mut best: Option<(usize, Same)> = None;
-            for near in neighbours(cell(&edge.ends)) {
-                for other in cells.get(&near).into_iter().flatten() {
-                    if *other <= number || is_taken[*other] || open[*other].product != edge.product
-                    {
-                        continue;
-                    }
-                    let same = self.compare(edge, &open[*other], tolerance);
-                    if let Some(same) = same
-                        && best.as_ref().is_none_or(|(_, best)| same.apart < best.apart)
-                    {
-                        best = Some((*other, same));
-                    }
-                }
-            }
-            if let Some((other, same)) = best {
-                is_taken[number] = true;
-                is_taken[other] = true;
-                joined.insert(same.edge, (edge.edge, same.reversed));
+        }
+        // Of the others, those that are nearest to each other.
+        let mut pairs: Vec<([usize; 2], Same)> = Vec::new();
+        for number in 0..open.len() {
+            let near = cells.near(number, &open[number]);
+            let others =
+                near.filter(|other| *other > number && open[*other].face != open[number].face);
+            pairs.extend(others.filter_map(|other| {
+                Some(([number, other], self.compare(&open[number], &open[other], tolerance)?))
+            }));
+        }
+        pairs.sort_by(|a, b| a.1.apart.total_cmp(&b.1.apart));
+        for (pair, same) in pairs {
+            if pair.iter().all(|number| !cells.is_taken[*number]) {
+                join(&mut cells, pair, same.reversed);
             }
         }
         self.replace(&joined);
@@ -78,13 +125,16 @@ impl Model {
         for (product, of) in self.products.iter().enumerate() {
             let [first, count] = of.faces;
             let faces = self.faces.get(first..first + count).unwrap_or_default();
-            for coedge in faces.iter().flat_map(|face| face.loops.iter().flatten()) {
+            let coedges = faces.iter().enumerate().flat_map(|(face, of)| {
+                of.loops.iter().flatten().map(move |coedge| (first + face, coedge))
+            });
+            for (face, coedge) in coedges {
                 let Some(curve) = &self.edges[coedge.edge].curve else { continue };
                 let ends = curve.range.map(|t| curve.curve.at(t)[0]);
                 let middle = curve.curve.at(0.5 * (curve.range[0] + curve.range[1]))[0];
                 let is_long = ends.iter().any(|end| end.distance(middle) > tolerance);
                 if uses[coedge.edge] == 1 && is_long {
-                    open.push(OpenEdge { edge: coedge.edge, product, ends });
+                    open.push(OpenEdge { edge: coedge.edge, face, product, ends });
                 }
             }
         }
@@ -114,7 +164,7 @@ impl Model {
         }
         let reversed = along < 0.0;
         apart = apart.max(ends_apart(reversed));
-        (apart <= tolerance).then_some(Same { edge: other.edge, reversed, apart })
+        (apart <= tolerance).then_some(Same { reversed, apart })
     }
 
     /// Replaces edges by others, which may run the other way, and removes them.
@@ -143,11 +193,6 @@ impl Model {
     }
 }
 
-/// A cell of a grid and those around it.
-fn neighbours(cell: I64Vec3) -> impl Iterator<Item = I64Vec3> {
-    (0..27).map(move |i| cell + I64Vec3::new(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1))
-}
-
 /// The point of a curve nearest to a place, and the derivative there.
 fn nearest(curve: &BoundedCurve, place: DVec3) -> [DVec3; 2] {
     let [low, high] = curve.range;
@@ -159,19 +204,7 @@ fn nearest(curve: &BoundedCurve, place: DVec3) -> [DVec3; 2] {
     let at = |i: usize| low + i as f64 / samples as f64 * (high - low);
     let distance = |t: f64| curve.curve.at(t)[0].distance_squared(place);
     let start = (0..=samples).map(at).min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    let mut t = start.unwrap_or(low);
-    for _ in 0..8 {
-        let [point, slope] = curve.curve.at(t);
-        let step = (place - point).dot(slope) / slope.length_squared();
-        if !step.is_finite() {
-            break;
-        }
-        let next = (t + step).clamp(low, high);
-        if distance(next) >= distance(t) {
-            break;
-        }
-        t = next;
-    }
+    let (t, _) = nearest_on(curve, place, start.unwrap_or(low));
     curve.curve.at(t)
 }
 
@@ -189,7 +222,7 @@ mod tests {
             pcurve: None,
         };
         let coedges = curves.iter().enumerate().map(coedge).collect();
-        let frame = Frame { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+        let frame = Frame::WORLD;
         model.faces.push(Face {
             name: String::new(),
             tolerance: 1e-7,
@@ -239,7 +272,7 @@ mod tests {
     }
 
     fn circle(start: f64) -> BoundedCurve {
-        let frame = Frame { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+        let frame = Frame::WORLD;
         let curve = Curve::Circle { frame, radius: 1.0 };
         BoundedCurve { curve, range: [start, start + std::f64::consts::FRAC_PI_2] }
     }
@@ -265,6 +298,52 @@ mod tests {
         assert_eq!(uses[1][0], (1, false), "the arc");
         assert_eq!(uses[2][1..], [(0, true), (2, false)], "two lines");
         assert_eq!(model.sew(1e-6), 0);
+    }
+
+    #[test]
+    fn the_sides_of_a_narrow_face_stay_apart_and_a_seam_is_joined() {
+        let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let rectangle = |width: f64| {
+            vec![
+                (line(at(0.0, 0.0), at(9.0, 0.0)), true),
+                (line(at(9.0, 0.0), at(9.0, width)), true),
+                (line(at(0.0, width), at(9.0, width)), false),
+                (line(at(0.0, 0.0), at(0.0, width)), false),
+            ]
+        };
+        let mut model = empty();
+        add_face(&mut model, rectangle(5e-5));
+        assert_eq!(model.sew(1e-4), 0);
+        // On a closed surface both long sides would be one seam.
+        let mut model = empty();
+        let sides = rectangle(5e-5);
+        add_face(&mut model, vec![sides[0].clone(), (sides[0].0.clone(), false)]);
+        assert_eq!(model.sew(1e-4), 1);
+    }
+
+    #[test]
+    fn the_nearest_pairs_are_joined_whatever_the_order() {
+        let lines = |offsets: [f64; 3]| {
+            let mut model = empty();
+            for offset in offsets {
+                let up = DVec3::new(0.0, offset, 0.0);
+                add_face(&mut model, vec![(line(up, up + DVec3::X), true)]);
+            }
+            model.sew(1e-4);
+            model.faces.iter().map(|face| face.loops[0][0].edge).collect::<Vec<_>>()
+        };
+        assert_eq!(lines([0.0, 6e-5, 6e-5]), [0, 1, 1]);
+        assert_eq!(lines([0.0, 6e-5, 7e-5]), [0, 1, 1]);
+        assert_eq!(lines([6e-5, 0.0, 6e-5]), [0, 1, 0]);
+    }
+
+    #[test]
+    fn thousands_of_equal_edges_are_joined_in_pairs() {
+        let mut model = empty();
+        for _ in 0..20_000 {
+            add_face(&mut model, vec![(circle(0.0), true)]);
+        }
+        assert_eq!(model.sew(1e-6), 10_000);
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub struct FaceOfModel {
 /// The extension of the project's own format.
 const EXTENSION: &str = "ffm";
 /// The largest distance between edges that are taken for one, as a share of the model's diagonal.
-const SEWN: f64 = 1e-4;
+const SEWN: f64 = 1e-6;
 /// The colour of faces that have none.
 const UNPAINTED: [f32; 3] = [0.7, 0.72, 0.75];
 
