@@ -157,8 +157,9 @@ mod tests {
     use super::*;
     use crate::view::action::Action;
     use crate::view::state::tests::random_event;
+    use crate::view::undo::Change;
     use freeform_surface::inspect::measure::Random;
-    use freeform_surface::{Backend, Headless};
+    use freeform_surface::{Backend, Headless, TessLevel, Tessellation};
 
     #[test]
     fn at_rest_all_samples_are_shown_and_one_while_something_moves() {
@@ -195,6 +196,47 @@ mod tests {
         assert!(screen.is_unfinished(&state));
         screen.draw(&state, &Changes::default()).unwrap();
         assert!(screen.shown().read() == shown && !screen.is_unfinished(&state));
+    }
+
+    #[test]
+    fn colours_and_hidden_faces_are_drawn_without_a_new_upload() {
+        let context = Headless::new(Backend::Auto).unwrap();
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/resources/models/bracket.ffm");
+        let mut scene = Scene::load(path.as_ref()).unwrap();
+        scene.settings.tessellation = Tessellation::Level(TessLevel::new(8).unwrap());
+        scene.camera = Some(scene.framed(4.0 / 3.0));
+        let shown = |state: &mut State, screen: &mut Screen| {
+            state.resize(160, 120);
+            let changes = state.take_changes();
+            screen.draw(state, &changes).unwrap();
+            (changes.scene, screen.shown().read())
+        };
+        let [mut screen, mut fresh] = [0, 1].map(|_| Screen::new(context.gl()).unwrap());
+        let mut state = State::new(scene.clone(), None);
+        let mut before = shown(&mut state, &mut screen).1;
+        for number in 0..scene.surfaces.len() {
+            let next = (number + 1) % scene.surfaces.len();
+            let red = Paint::Color([1.0, 0.0, 0.0]);
+            state
+                .edit(vec![Change::Hidden(number, true), Change::SurfacePaint(next, red)])
+                .unwrap();
+            let (is_new, now) = shown(&mut state, &mut screen);
+            let wrong =
+                |other: &Image| now.pixels().zip(other.pixels()).filter(|(a, b)| a != b).count();
+            let again = shown(&mut State::new(state.scene().clone(), None), &mut fresh).1;
+            assert_eq!((is_new, wrong(&again)), (false, 0), "{number}");
+            // Without the hidden surfaces, the rounding is different.
+            let mut without = state.scene().clone();
+            without.surfaces.retain(|surface| !surface.hidden);
+            let without = shown(&mut State::new(without, None), &mut fresh).1;
+            assert!(wrong(&without) < 20, "{number}: {}", wrong(&without));
+            if number == 0 {
+                assert!(now != before);
+                before = now;
+            }
+        }
+        assert!(screen.shown().read().pixels().all(|pixel| pixel == before.get_pixel(0, 0)));
+        assert!(context.debug_log().take_errors().is_empty());
     }
 
     /// After random events, the driver still draws without errors. The saved scene gives the same picture,

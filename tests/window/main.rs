@@ -4,6 +4,7 @@
 mod drop;
 #[path = "../harness/mod.rs"]
 mod harness;
+mod models;
 mod screen;
 
 use std::time::Duration;
@@ -437,73 +438,6 @@ fn dropped_files_open_and_what_is_none_is_told() {
         assert!(screen.title().starts_with("b.toml"), "{}", screen.title());
     }
     screen.quit("Escape");
-}
-
-#[test]
-fn faces_of_a_dropped_model_are_clicked_hidden_and_shown() {
-    let folder = Folder::new();
-    let path = folder.write("a.toml", SQUARE);
-    let bytes = std::fs::read(resource("models/flange.ffm")).unwrap();
-    let model = folder.write("flange.ffm", bytes);
-    let broken = folder.write("broken.step", "nothing");
-    let mut screen = Screen::start(&[path.to_str().unwrap()]);
-    screen.keys(&["h", "h"]);
-    let square = screen.picture();
-    screen.drop_file(&model);
-    let start = screen.picture();
-    assert!(screen.title().starts_with("flange.ffm"), "{}", screen.title());
-    assert!(changed(&square, &start) > 50_000);
-
-    // The middle of the highest visible face.
-    let scene = Scene::load(&model).unwrap();
-    let place = flange_face(&scene);
-    let (x, y) = (place.x.round().to_string(), place.y.round().to_string());
-    screen.mouse(&["mousemove", &x, &y]);
-    screen.mouse_draws(&["click", "1"]);
-    let clicked = screen.picture();
-    let off = changed(&start, &clicked);
-    assert!((300..60_000).contains(&off), "a line of text and an outline: {off}");
-    screen.keys(&["d"]);
-    screen.mouse(&["mousemove", "500", "590"]);
-    let hidden = screen.picture();
-    let pixel = |picture: &Image| picture.get_pixel(place.x as u32, place.y as u32).0;
-    assert_ne!(pixel(&hidden), pixel(&start), "another face or the background is visible");
-    screen.keys(&["ctrl+z"]);
-    assert_same("view-face-undo", &start, &screen.picture(), &[], 0);
-    screen.keys(&["ctrl+shift+z"]);
-    assert_same("view-face-redo", &hidden, &screen.picture(), &[], 0);
-    screen.keys(&["ctrl+s", "h", "h", "h"]);
-    let saved = Scene::load(&folder.path("flange-edited-001.toml")).unwrap();
-    assert_eq!(saved.surfaces.iter().filter(|surface| surface.hidden).count(), 1);
-    screen.keys(&["a"]);
-    assert_same("view-face-all", &start, &screen.picture(), &[], 0);
-
-    // What cannot be read leaves the model as it is.
-    screen.drop_file(&broken);
-    let off = changed(&start, &screen.picture());
-    assert!((50..40_000).contains(&off), "an error over the model: {off}");
-    assert!(screen.title().starts_with("flange.ffm"), "{}", screen.title());
-    screen.quit("Escape");
-}
-
-/// A place on the screen where a face of the flange is visible.
-fn flange_face(scene: &Scene) -> DVec2 {
-    use freeform_surface::inspect::reference::Rays;
-    let seen = scene.projection(1000, 600);
-    let to_world = (seen.projection * seen.view).inverse();
-    let rays = Rays::new(scene);
-    let face_at = |place: DVec2| {
-        let ndc = (place / dvec2(1000.0, 600.0) - 0.5) * dvec2(2.0, -2.0);
-        let [near, far] = [-1.0, 1.0].map(|depth| to_world.project_point3(ndc.extend(depth)));
-        rays.cast(near, far - near).map(|hit| hit.surface)
-    };
-    let places = (0..600).map(|i| dvec2(f64::from(i % 30) * 30.0, f64::from(i / 30) * 25.0));
-    let mut inner = places.filter(|place| {
-        let around = [dvec2(8.0, 0.0), dvec2(-8.0, 0.0), dvec2(0.0, 8.0), dvec2(0.0, -8.0)];
-        let own = face_at(*place);
-        own.is_some() && around.iter().all(|by| face_at(*place + *by) == own)
-    });
-    inner.next().expect("the flange is visible")
 }
 
 #[test]

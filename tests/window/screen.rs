@@ -26,6 +26,7 @@ pub(crate) struct Screen {
     frames: Arc<AtomicU64>,
     /// The number of files that are being read.
     reading: Arc<AtomicU64>,
+    waits_for_files: bool,
     log: Arc<Mutex<String>>,
     size: (u32, u32),
 }
@@ -33,6 +34,15 @@ pub(crate) struct Screen {
 impl Screen {
     /// Starts a server and the program in it, and waits until its window is drawn.
     pub(crate) fn start(arguments: &[&str]) -> Self {
+        Self::start_by(arguments, None)
+    }
+
+    /// Starts the program with another program that reads STEP files, and never waits for the latter.
+    pub(crate) fn start_with_helper(arguments: &[&str], helper: &Path) -> Self {
+        Self::start_by(arguments, Some(helper))
+    }
+
+    fn start_by(arguments: &[&str], helper: Option<&Path>) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let mut server = Command::new("Xvfb")
             .args([
@@ -62,6 +72,7 @@ impl Screen {
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("WAYLAND_SOCKET")
             .env("LIBGL_ALWAYS_SOFTWARE", "1")
+            .envs(helper.map(|helper| ("FREEFORM_OCCT", helper)))
             .env("RUST_LOG", "warn,freeform=debug")
             .stderr(Stdio::piped())
             .spawn()
@@ -90,8 +101,19 @@ impl Screen {
         });
         let size = (1000, 600);
         let window = String::new();
-        let mut screen =
-            Self { server, program, display, folder, window, frames, reading, log, size };
+        let waits_for_files = helper.is_none();
+        let mut screen = Self {
+            server,
+            program,
+            display,
+            folder,
+            window,
+            frames,
+            reading,
+            waits_for_files,
+            log,
+            size,
+        };
         let start = Instant::now();
         while screen.frames() == 0 {
             assert!(start.elapsed() < LONG, "no frame: {}", screen.log());
@@ -139,7 +161,8 @@ impl Screen {
             }
             std::thread::sleep(Duration::from_millis(10));
             let frames = self.frames();
-            if frames != last.0 || self.reading.load(Ordering::SeqCst) > 0 {
+            let is_reading = self.waits_for_files && self.reading.load(Ordering::SeqCst) > 0;
+            if frames != last.0 || is_reading {
                 last = (frames, Instant::now());
             }
         }
@@ -219,6 +242,16 @@ impl Screen {
 
     pub(crate) fn title(&self) -> String {
         self.xdotool(&["getwindowname", &self.window]).trim().to_owned()
+    }
+
+    /// Waits until the picture fulfils a condition.
+    pub(crate) fn wait_for(&self, what: &str, condition: impl Fn(&Image) -> bool) {
+        let start = Instant::now();
+        while !condition(&self.picture()) {
+            assert!(start.elapsed() < LONG, "{what} never comes: {}", self.log());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        self.rest();
     }
 
     /// The number of frames that the program has drawn.

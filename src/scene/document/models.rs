@@ -71,7 +71,8 @@ mod tests {
     use crate::scene::Scene;
 
     fn parse(table: &str) -> Result<Scene> {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/models/scene.toml");
+        let path =
+            Path::new(env!("CARGO_MANIFEST_DIR")).join("resources/models").join("scene.toml");
         Scene::from_toml(&format!("\n[[model]]\nfile = \"assembly.ffm\"\n{table}\n"), &path)
     }
 
