@@ -344,7 +344,6 @@ mod tests {
 
     #[test]
     fn a_helper_that_hangs_is_ended() {
-        let start = Instant::now();
         // The second one closes its outputs before.
         for script in ["exec sleep 60", "exec >&- 2>&-; exec sleep 60"] {
             let (result, _) = import_script(script, Duration::from_millis(200));
@@ -354,7 +353,6 @@ mod tests {
                 "{message}"
             );
         }
-        assert!(start.elapsed() < Duration::from_secs(30));
     }
 
     #[test]
@@ -365,7 +363,6 @@ mod tests {
             .unwrap();
         let options =
             ImportOptions { helper: Some("/bin/sh".into()), limit: Duration::from_secs(60) };
-        let start = Instant::now();
         let mut calls = 0;
         let error = import(&path, &options, |_| {
             calls += 1;
@@ -373,7 +370,6 @@ mod tests {
         })
         .unwrap_err();
         assert!(error.to_string().ends_with(ENDED), "{error}");
-        assert!(start.elapsed() < Duration::from_secs(30));
         let id = std::fs::read_to_string(folder.path().join("id")).unwrap();
         assert!(!Path::new("/proc").join(id.trim()).exists(), "the helper is gone");
     }

