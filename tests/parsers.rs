@@ -133,6 +133,9 @@ fn parse_model(bytes: &[u8]) {
             model.write(&mut text).unwrap();
             assert_eq!(Model::read(text.as_slice(), Path::new("x.ffm")).unwrap(), model);
             drop(model.instances());
+            for error in model.drawn_faces().into_iter().filter_map(Result::err) {
+                assert_eq!(error.to_string().lines().count(), 1, "{error}");
+            }
         }
         Err(error) => assert_eq!(error.to_string().lines().count(), 1, "{error}"),
     }

@@ -1,6 +1,7 @@
 //! The sources of scenes: files, or standard input.
 
-use std::io::Read as _;
+use std::io::{IsTerminal as _, Read as _};
+use std::ops::ControlFlow;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -50,7 +51,7 @@ impl LoadArguments {
             crease: self.crease_degrees,
             up: self.up,
             import_limit: Duration::from_secs(self.import_timeout),
-            progress: None,
+            progress: std::io::stderr().is_terminal().then_some(show),
         }
     }
 
@@ -95,6 +96,16 @@ impl LoadArguments {
         }
         Ok(Scene::from_text(&text, name, options)?)
     }
+}
+
+/// Shows how much of a CAD file is read, in a line of the terminal that is empty afterwards.
+fn show(share: f64) -> ControlFlow<()> {
+    if share < 1.0 {
+        eprint!("\rreading: {:.0} %", 100.0 * share);
+    } else {
+        eprint!("\r\x1b[K");
+    }
+    ControlFlow::Continue(())
 }
 
 /// Whether a scene comes from standard input.
