@@ -129,8 +129,8 @@ fn faces_of_cad_files() {
                 "{name}: face {number}: {found}, not {area}"
             );
         }
-        // Of one file, OCCT's p-curves of a fifth of the faces are wrong; of the others, of a few.
-        assert!(4 * compared >= 3 * faces.len(), "{name}: {compared} faces");
+        // Of one file, OCCT's p-curves of 10 of 22 faces are wrong, of another those of a fifth; of the others, of few.
+        assert!(2 * compared >= faces.len(), "{name}: {compared} faces");
         assert!((own - other).abs() <= MAX_AREA_ERROR * other, "{name}: {own}, not {other}");
 
         // The same without any p-curve, as most files are.

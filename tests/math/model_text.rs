@@ -167,6 +167,11 @@ fn faults_name_the_line_the_record_and_what_was_expected() {
             "6: face 0: \"backward\" found; expected forward or reversed",
         ),
         (
+            with("bounds 0 2 0 1\n  plane", "bounds 0 7 0 1\n  cylinder")
+                .replace("z 0 0 1", "z 0 0 1 3"),
+            "7: face 0: u of the bounds is 0 7; expected at most one turn, 2π",
+        ),
+        (
             with("bounds 0 2 0 1", "bounds 0 2 1 0"),
             "6: face 0: v of the bounds is 1 0; expected two numbers, the first less than the last",
         ),
@@ -237,6 +242,10 @@ fn faults_of_shapes_are_named() {
         (
             format!("extrusion direction 0 0 1 range 0 1 ellipse {frame} 1 -0"),
             "radius of the ellipse is -0; expected a number above 0",
+        ),
+        (
+            format!("extrusion direction 0 0 1 range 0 7 circle {frame} 1"),
+            "range of the circle is 0 7; expected at most one turn, 2π",
         ),
         (
             "extrusion direction 0 0 1 range 0 2 nurbs degree 1 knots 4 0 0 1 1 points 2 0 0 0 1 1 0 0 1".into(),
@@ -419,6 +428,11 @@ fn nurbs_curve() -> BoxedStrategy<NurbsCurve<DVec4>> {
         .boxed()
 }
 
+/// A range of angles that begins with the same number.
+fn within_a_turn([first, last]: [f64; 2]) -> [f64; 2] {
+    [first, first + (last - first).min(6.0)]
+}
+
 fn curve() -> BoxedStrategy<BoundedCurve> {
     let line =
         (point(), direction()).prop_map(|(origin, direction)| Curve::Line { origin, direction });
@@ -428,8 +442,9 @@ fn curve() -> BoxedStrategy<BoundedCurve> {
     let nurbs = nurbs_curve()
         .prop_map(|curve| BoundedCurve { range: curve.domain(), curve: Curve::Nurbs(curve) });
     prop_oneof![
-        (prop_oneof![line, circle, ellipse], rising())
-            .prop_map(|(curve, range)| BoundedCurve { curve, range }),
+        (line, rising()).prop_map(|(curve, range)| BoundedCurve { curve, range }),
+        (prop_oneof![circle, ellipse], rising())
+            .prop_map(|(curve, range)| BoundedCurve { curve, range: within_a_turn(range) }),
         nurbs,
     ]
     .boxed()
@@ -476,6 +491,13 @@ fn face(edges: usize) -> BoxedStrategy<Face> {
     let loops = prop::collection::vec(prop::collection::vec(coedge, 1..5), 0..3);
     (name(), positive(), color(), any::<bool>(), surface(), rising(), rising(), loops)
         .prop_map(|(name, tolerance, color, reversed, surface, u, v, loops)| {
+            let is_flat = matches!(
+                surface,
+                FaceSurface::Plane(_) | FaceSurface::Extrusion { .. } | FaceSurface::Nurbs(_)
+            );
+            let is_torus = matches!(surface, FaceSurface::Torus { .. });
+            let u = if is_flat { u } else { within_a_turn(u) };
+            let v = if is_torus { within_a_turn(v) } else { v };
             let bounds = [DVec2::new(u[0], v[0]), DVec2::new(u[1], v[1])];
             Face { name, tolerance, color, reversed, surface, bounds, loops }
         })

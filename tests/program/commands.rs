@@ -292,7 +292,7 @@ fn files_that_are_no_scenes_are_refused() {
         ("blank.bpt", &["blank.bpt", "empty"]),
         ("binary.toml", &["binary.toml", "not text"]),
         ("binary.bpt", &["binary.bpt:1:", "no number"]),
-        ("scene.stl", &["scene.stl", ".toml, .bpt or .obj"]),
+        ("scene.stl", &["scene.stl", ".toml, .bpt, .obj, .ffm, .step, .iges or .brep"]),
         ("none.obj", &["none.obj", "No such file"]),
         ("huge.bpt", &["huge.bpt:3:", "ends after 3 of its 48"]),
         ("cut.bpt", &["cut.bpt:", "ends after"]),
