@@ -14,9 +14,10 @@ public:
     TemporaryFile& operator=(const TemporaryFile&) = delete;
     ~TemporaryFile();
 
-    /// Writes a copy of an IGES file in which the entries of the directory, the lines and their references to entries are
-    /// numbered as they should be, entities of which others are said to consist stand on their own, and a global section without values
-    /// has the usual ones. Returns its path; that of the file itself if its directory is in order.
+    /// Writes a copy of an IGES file in which the entries of the directory, the lines and their references to entries
+    /// are numbered as they should be, entities of which others are said to consist stand on their own, and a global
+    /// section without values has the usual ones. Returns its path; that of the file itself if its directory is in
+    /// order.
     std::string renumbered(const std::string& path);
 
 private:

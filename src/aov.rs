@@ -13,8 +13,8 @@ pub struct Aovs {
     /// u and v in the domain of the surface, and the number of the patch. Patches are numbered from 0 through all
     /// surfaces of the scene.
     pub uv: Vec<[f32; 4]>,
-    /// u and v from 0 to 1 along the patch. `f32` has more digits for them than for the parameters of a NURBS surface of
-    /// many patches.
+    /// u and v from 0 to 1 along the patch. `f32` has more digits for them than for the parameters of a NURBS surface
+    /// of many patches.
     pub patch_uv: Vec<[f32; 2]>,
     /// The position in world space.
     pub position: Vec<[f32; 4]>,
@@ -22,8 +22,8 @@ pub struct Aovs {
     pub normal: Vec<[f32; 4]>,
     /// The distance from the eye along the view axis in world units, in each of the first three values.
     pub depth: Vec<[f32; 4]>,
-    /// For faces of CAD models, and 1 as the fourth value only there: the number of the face in its model, its number among the
-    /// faces in all places of the model's products, and the number of the model in the scene.
+    /// For faces of CAD models, and 1 as the fourth value only there: the number of the face in its model, its number
+    /// among the faces in all places of the model's products, and the number of the model in the scene.
     pub face: Vec<[f32; 4]>,
 }
 

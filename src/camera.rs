@@ -141,8 +141,8 @@ impl Camera {
         Self { eye: back, target: DVec3::ZERO, up, lens }.fitted(points, aspect)
     }
 
-    /// A camera without perspective that sees all `points` from the front, the right and above at equal angles, as large as a
-    /// picture of `aspect` (width over height) allows. `up` and the front are those of [`Camera::framing`].
+    /// A camera without perspective that sees all `points` from the front, the right and above at equal angles, as
+    /// large as a picture of `aspect` (width over height) allows. `up` and the front are those of [`Camera::framing`].
     #[must_use]
     pub fn isometric(points: impl Iterator<Item = DVec3> + Clone, up: DVec3, aspect: f64) -> Self {
         let [up, front, right] = upright_axes(up);

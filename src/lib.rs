@@ -98,6 +98,7 @@ pub mod inspect;
 mod measure;
 mod mesh;
 pub mod model;
+mod parallel;
 mod prepared;
 mod programs;
 #[cfg(feature = "inspect")]

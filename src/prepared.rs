@@ -11,10 +11,11 @@ pub use multisample::sample_offsets;
 
 use crate::error::Result;
 use crate::gpu::Texture;
+use crate::parallel;
 use crate::programs::Output;
 use crate::renderer::{
-    ControlPoints, DrawList, Frame, LocalFrame, PreparedMesh, PreparedSurface, RaisedPatches,
-    Renderer,
+    ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
+    RaisedPatches, Renderer,
 };
 use crate::scene::{Method, Paint, Scene, Surface};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
@@ -60,7 +61,14 @@ impl PreparedScene {
             }
             let mut uploaded = ControlPoints::upload(gl, &points)?.into_iter();
             let mut uploaded = || uploaded.next().expect("all points were uploaded");
-            for (surface, raised) in scene.surfaces.iter().zip(raised) {
+            let shapes = parallel::map(raised.len(), |number| match &raised[number] {
+                Some(raised) => PatchShapes::new(raised.degree, &raised.points),
+                None => {
+                    let surface = &scene.surfaces[number];
+                    PatchShapes::new(surface.degree(), surface.patch_points())
+                }
+            });
+            for ((surface, raised), shapes) in scene.surfaces.iter().zip(raised).zip(shapes) {
                 let points = uploaded();
                 let raised =
                     raised.map(|patches| RaisedPatches { patches, control_points: uploaded() });
@@ -72,6 +80,7 @@ impl PreparedScene {
                     surface.clone(),
                     texture,
                     points,
+                    shapes,
                     raised,
                 )?);
             }

@@ -28,8 +28,8 @@ use meshes::{BareCorner, FlatCorner, SmoothCorner};
 pub(crate) use points::{ControlPoints, LocalFrame};
 pub use static_mesh::{StaticMesh, StaticStyle, StaticVertex};
 pub use surface::PreparedSurface;
-pub(crate) use surface::RaisedPatches;
 use surface::to_bytes;
+pub(crate) use surface::{PatchShapes, RaisedPatches};
 pub(crate) use uniforms::{set_aovs, set_depth, set_lights, set_matrices};
 
 use crate::error::Result;

@@ -51,8 +51,8 @@ pub struct LoadOptions {
     pub up: Option<UpAxis>,
     /// How long the reader of STEP, IGES and BREP files may take.
     pub import_limit: Duration,
-    /// Is called while a CAD model is read, with a share from 0 to 1: 1 means that the file is read, and that the edges of
-    /// the faces come next. It may end the reading.
+    /// Is called while a CAD model is read, with a share from 0 to 1: 1 means that the file is read, and that the edges
+    /// of the faces come next. It may end the reading.
     pub progress: Option<fn(f64) -> ControlFlow<()>>,
 }
 
@@ -112,7 +112,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Reads a `.toml`, `.bpt` or `.obj` file, or a CAD model: `.ffm`, and by a program of its own, STEP, IGES and BREP files.
+    /// Reads a `.toml`, `.bpt` or `.obj` file, or a CAD model: `.ffm`, and by a program of its own, STEP, IGES and BREP
+    /// files.
     ///
     /// # Errors
     /// A file that cannot be read, is of another kind, or does not describe a scene; with the line.
@@ -146,9 +147,9 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Parses the text of a scene. The beginning of the text decides its format: a `.bpt` file begins with a number,
-    /// an `.obj` file with one of its keywords, a `.ffm` file with `freeform-model`. Files that it names are found relative to the folder of `name`, which
-    /// also stands in the errors; a bare word means the current folder.
+    /// Parses the text of a scene. The beginning of the text decides its format: a `.bpt` file begins with a number, an
+    /// `.obj` file with one of its keywords, a `.ffm` file with `freeform-model`. Files that it names are found
+    /// relative to the folder of `name`, which also stands in the errors; a bare word means the current folder.
     ///
     /// # Errors
     /// As [`Scene::load`].

@@ -1,10 +1,10 @@
 //! Tessellation: how patches are divided into triangles.
 //!
 //! `bound.rs` computes how many triangles keep a patch within a screen-space tolerance. `edges.rs` finds neighbouring
-//! patches. `sub_patches.rs` chooses sub-patches to suit the drivers and the trims, `surface_trims.rs` for each patch. `raised.rs` makes neighbours of patches whose
-//! common edge has two degrees. `square_nets.rs` brings patches of any degree to the sizes that the bound knows. `normal_cone.rs` bounds the
-//! directions of normals. `plan.rs` combines these once per frame. `triangle.rs` bounds the error of meshes' smooth
-//! triangles.
+//! patches. `sub_patches.rs` chooses sub-patches to suit the drivers and the trims, `surface_trims.rs` for each patch.
+//! `raised.rs` makes neighbours of patches whose common edge has two degrees. `square_nets.rs` brings patches of any
+//! degree to the sizes that the bound knows. `normal_cone.rs` bounds the directions of normals. `plan.rs` combines
+//! these once per frame. `triangle.rs` bounds the error of meshes' smooth triangles.
 
 mod bound;
 mod disjoint_sets;

@@ -1,5 +1,5 @@
-//! Any bytes are a model or one line of error; a model is written as a text that reads as the same model, and its faces are
-//! drawn or refused.
+//! Any bytes are a model or one line of error; a model is written as a text that reads as the same model, and its faces
+//! are drawn or refused.
 #![no_main]
 
 use std::path::Path;

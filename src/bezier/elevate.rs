@@ -4,9 +4,9 @@ use glam::DVec4;
 
 use super::{Degree, homogeneous};
 
-/// Control points (x, y, z, weight) of a patch raised to a degree that is at least its own along u and along v. The ends
-/// of rows and of columns stay bit for bit what they are, and the direction of a row or column makes no difference to
-/// its other points.
+/// Control points (x, y, z, weight) of a patch raised to a degree that is at least its own along u and along v. The
+/// ends of rows and of columns stay bit for bit what they are, and the direction of a row or column makes no difference
+/// to its other points.
 pub(crate) fn elevate(degree: Degree, points: &[DVec4], to: Degree) -> Vec<DVec4> {
     let mut rows = Vec::with_capacity(to.columns() * degree.rows());
     for row in points.chunks_exact(degree.columns()) {

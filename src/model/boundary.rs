@@ -361,7 +361,7 @@ impl Outline<'_, '_, '_> {
         let closed = across.iter().filter_map(|b| {
             let mut all: Vec<Segment> = copies.iter().flat_map(|a| moved(by(*a, *b))).collect();
             let top = self.domain[1][1 - around];
-            let is_at_top = |point: &DVec2| (point[1 - around] - top).abs() == 0.0;
+            let is_at_top = |point: &DVec2| point[1 - around] == top;
             if all.iter().flat_map(Segment::points).all(is_at_top) {
                 return None;
             }

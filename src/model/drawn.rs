@@ -1,8 +1,6 @@
 //! Faces as they are drawn: an exact NURBS surface with trims in its parameters.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use super::boundary;
 use super::chain::{Chain, Distances, chain, sorted};
@@ -11,6 +9,7 @@ use super::sheet::Sheet;
 use super::{BoundedCurve, Coedge, Curve, Face, FaceSurface, Model};
 use crate::bezier::{NurbsSurface, bounding_box};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::trim::{Segment, Trims};
 
 /// A face as the renderer draws it.
@@ -92,7 +91,7 @@ impl Model {
             let mut points: Vec<DVec3> = own.iter().flat_map(|face| self.points_of(face)).collect();
             for place in &product.uses {
                 let corners = boxes.get(place.product).into_iter().flatten();
-                points.extend(corners.map(|point| transformed(&place.placement, *point)));
+                points.extend(corners.map(|point| place.placement.transform_point3(*point)));
             }
             boxes.push(corners(points));
         }
@@ -193,39 +192,9 @@ impl Model {
     /// All faces as they are drawn, in their order, by several threads.
     #[must_use]
     pub fn drawn_faces(&self) -> Vec<Result<DrawnFace>> {
-        /// The most threads.
-        const THREADS: usize = 8;
         let diagonal = self.diagonal();
-        let next = AtomicUsize::new(0);
-        let work = || {
-            let mut found = Vec::new();
-            loop {
-                let number = next.fetch_add(1, Ordering::Relaxed);
-                if number >= self.faces.len() {
-                    return found;
-                }
-                found.push((number, self.drawn_face(number, diagonal)));
-            }
-        };
-        let threads = std::thread::available_parallelism().map_or(1, usize::from).min(THREADS);
-        let mut all: Vec<(usize, Result<DrawnFace>)> = std::thread::scope(|scope| {
-            let others: Vec<_> = (1..threads).map(|_| scope.spawn(work)).collect();
-            let mut all = work();
-            for other in others {
-                match other.join() {
-                    Ok(found) => all.extend(found),
-                    Err(panic) => std::panic::resume_unwind(panic),
-                }
-            }
-            all
-        });
-        all.sort_by_key(|(number, _)| *number);
-        all.into_iter().map(|(_, face)| face).collect()
+        parallel::map(self.faces.len(), |number| self.drawn_face(number, diagonal))
     }
-}
-
-fn transformed(placement: &DAffine3, point: DVec3) -> DVec3 {
-    placement.transform_point3(point)
 }
 
 /// The corners of a bounding box.

@@ -73,8 +73,8 @@ impl Cells {
 
 impl Model {
     /// Joins edges of a product's faces that no two faces share and that lie within `tolerance` of each other, and
-    /// returns how many were joined. Each face keeps its p-curves. Edges shorter than the tolerance stay as they are, and
-    /// so do two edges of one face, unless they are equal up to rounding: a seam.
+    /// returns how many were joined. Each face keeps its p-curves. Edges shorter than the tolerance stay as they are,
+    /// and so do two edges of one face, unless they are equal up to rounding: a seam.
     pub fn sew(&mut self, tolerance: f64) -> usize {
         /// A share of the tolerance: edges that are this near are equal.
         const EQUAL: f64 = 1e-3;

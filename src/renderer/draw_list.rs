@@ -11,7 +11,7 @@ use glam::{DMat3, DMat4, DVec3, DVec4, Vec4};
 
 use super::draws::{Draw, PlanKey, divide_into_instances};
 use super::surface::{PreparedSurface, Revision, to_bytes};
-use super::trims::TrimWords;
+use super::trims::{TrimWords, make_exact};
 use super::{Frame, RED, Renderer, in_lines};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
@@ -111,6 +111,7 @@ impl DrawList {
         surfaces: &mut [PreparedSurface],
         frame: &Frame,
     ) -> Result<()> {
+        make_exact(surfaces);
         for surface in &mut *surfaces {
             surface.upload_trims(renderer.gl(), &frame.settings)?;
         }

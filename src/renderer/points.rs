@@ -51,7 +51,8 @@ pub(crate) struct ControlPoints {
     /// The index of the surface's first point in the buffer.
     first: usize,
     centering: LocalFrame,
-    /// The scale of the surface's own box when it was last centred. Neighbours that are centred together have a larger one.
+    /// The scale of the surface's own box when it was last centred. Neighbours that are centred together have a larger
+    /// one.
     own_scale: f64,
     /// Upper bound of the coordinates' magnitudes after centring and scaling: 1, or more if points
     /// were moved out of the box.

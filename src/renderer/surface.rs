@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use super::points::{ControlPoints, LocalFrame};
-use super::trims::UploadedTrims;
+use super::trims::{ExactTrims, UploadedTrims};
 use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::{Buffer, Gl, Texture};
@@ -32,6 +32,23 @@ pub struct PreparedSurface {
     net: Option<Buffer>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
+}
+
+/// What planning needs of the patches of a surface.
+#[derive(Debug)]
+pub(crate) struct PatchShapes {
+    /// One cone for each patch.
+    cones: Vec<NormalCone>,
+    nets: SquareNets,
+}
+
+impl PatchShapes {
+    /// From the control points of all patches.
+    pub(crate) fn new(degree: Degree, points: &[DVec4]) -> Self {
+        let patches = points.chunks_exact(degree.points());
+        let cones = patches.map(|points| NormalCone::new(degree, points)).collect();
+        Self { cones, nets: SquareNets::new(degree, points) }
+    }
 }
 
 /// Patches of a higher degree, and their control points in the driver's memory.
@@ -62,26 +79,24 @@ impl PreparedSurface {
         let points = surface.patch_points();
         let centering = LocalFrame::of(points.iter());
         let mut uploaded = ControlPoints::upload(gl, &[(points, centering)])?;
-        Self::with_points(surface, texture, uploaded.remove(0), None)
+        let shapes = PatchShapes::new(surface.degree(), points);
+        Self::with_points(surface, texture, uploaded.remove(0), shapes, None)
     }
 
-    /// The same, with control points that are already uploaded.
+    /// The same, with control points that are already uploaded. `shapes` are those of the patches that are drawn.
     pub(crate) fn with_points(
         surface: Surface,
         texture: Option<Rc<Texture>>,
         control_points: ControlPoints,
+        shapes: PatchShapes,
         raised: Option<RaisedPatches>,
     ) -> Result<Self> {
         check_transform(&surface.transform)?;
         surface.trims.check()?;
-        let (degree, points) = match &raised {
-            Some(raised) => (raised.patches.degree, &raised.patches.points[..]),
-            None => (surface.degree(), surface.patch_points()),
-        };
-        let patches = points.chunks_exact(degree.points());
+        let PatchShapes { cones, nets } = shapes;
         Ok(Self {
-            cones: patches.map(|points| NormalCone::new(degree, points)).collect(),
-            nets: SquareNets::new(degree, points),
+            cones,
+            nets,
             surface,
             control_points,
             raised,
@@ -119,9 +134,10 @@ impl PreparedSurface {
         self.set_control_point(point.extend(weight), index)
     }
 
-    /// Moves one control point and sets its weight. Only this point is uploaded, or for a NURBS surface, the patches that
-    /// change. If points move far out of the control points' bounding box, or if the box becomes much smaller, all points
-    /// of the surface are centred again and uploaded. Edges shared with other surfaces then differ from theirs by rounding.
+    /// Moves one control point and sets its weight. Only this point is uploaded, or for a NURBS surface, the patches
+    /// that change. If points move far out of the control points' bounding box, or if the box becomes much smaller, all
+    /// points of the surface are centred again and uploaded. Edges shared with other surfaces then differ from theirs
+    /// by rounding.
     ///
     /// # Errors
     /// An index out of range, a point that is not finite, or a weight that is not above 0; the surface stays
@@ -234,6 +250,11 @@ impl PreparedSurface {
         }
         let patches = self.surface.patch_grid();
         self.uploaded_trims.prepare(gl, &self.surface.trims, patches, settings)
+    }
+
+    /// Sets the grids of the trims for the exact method.
+    pub(super) fn set_exact_trims(&mut self, exact: ExactTrims) {
+        self.uploaded_trims.exact = Some(exact);
     }
 
     pub(crate) const fn degree(&self) -> Degree {

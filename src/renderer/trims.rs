@@ -3,6 +3,7 @@
 use crate::bezier::PatchGrid;
 use crate::error::{Error, Result};
 use crate::gpu::{Gl, TexelBuffer};
+use crate::parallel;
 use crate::programs::{TRIM_WORDS_UNIT, TrimFeatures};
 use crate::scene::{Method, RenderSettings, Tessellation};
 use crate::tessellation::SurfaceTrims;
@@ -60,6 +61,25 @@ impl ExactTrims {
     /// The number of words of all grids.
     fn size(&self) -> usize {
         self.surface.grids().map(size_of).sum()
+    }
+}
+
+/// Makes the exact grids of the surfaces that lack them, by several threads.
+pub(super) fn make_exact(surfaces: &mut [PreparedSurface]) {
+    let lacking: Vec<usize> = (0..surfaces.len())
+        .filter(|number| surfaces[*number].uploaded_trims().exact.is_none())
+        .collect();
+    let of_each: Vec<_> = lacking
+        .iter()
+        .map(|number| surfaces[*number].surface())
+        .map(|surface| (&surface.trims, surface.patch_grid()))
+        .collect();
+    let made = parallel::map(of_each.len(), |i| {
+        let (trims, patches) = of_each[i];
+        ExactTrims::new(trims, patches)
+    });
+    for (number, exact) in lacking.into_iter().zip(made) {
+        surfaces[number].set_exact_trims(exact);
     }
 }
 

@@ -31,8 +31,8 @@ use crate::trim::{Keep, Trims};
 use trims::{PlacedTrims, TrimPlaces};
 
 /// The maximum number of bytes of one `[[surface]]` with its trims. Of each string, only the first `MAX_STRING_BYTES`
-/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt or .obj file,
-/// a long trim in a `path`.
+/// bytes count. The toml crate takes up to 250 times as much memory. A larger control net belongs in a .bpt or .obj
+/// file, a long trim in a `path`.
 const MAX_SURFACE_BYTES: usize = 256 << 10;
 const MAX_STRING_BYTES: usize = 64;
 /// The maximum number of control points of the Bézier patches of a NURBS surface: 32 MiB.

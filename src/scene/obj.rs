@@ -205,8 +205,8 @@ impl Mesh {
     ///
     /// # Errors
     /// With the line: a line of more than 1 MiB, a number that is malformed or not finite, a position beyond 1e15, a
-    /// face of fewer than three corners, an index of 0 or of an element that does not exist, too many faces, a malformed
-    /// free-form curve or surface. Without the line: no face, too many vertices.
+    /// face of fewer than three corners, an index of 0 or of an element that does not exist, too many faces, a
+    /// malformed free-form curve or surface. Without the line: no face, too many vertices.
     pub fn read_obj(text: impl BufRead, path: &Path, crease: CreaseAngle) -> Result<Self> {
         mesh_of(Obj::read(text, path)?, path, crease).map(|(mesh, _)| mesh)
     }

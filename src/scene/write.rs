@@ -41,9 +41,9 @@ impl Scene {
     /// Files beside it get its name and a number.
     ///
     /// # Errors
-    /// A picture that cannot be encoded; more trims than the text of a surface can hold; more colours of single faces of a
-    /// CAD model than the text of a model can hold (about 4,000); a NURBS surface of more control
-    /// points than fit in a file (about 150,000).
+    /// A picture that cannot be encoded; more trims than the text of a surface can hold; more colours of single faces
+    /// of a CAD model than the text of a model can hold (about 4,000); a NURBS surface of more control points than fit
+    /// in a file (about 150,000).
     pub fn to_toml(&self, path: &Path) -> Result<SceneText> {
         let mut writer = Writer {
             path,

@@ -1,6 +1,6 @@
-//! Patches of different degree that meet along one curve. The edge of one patch may be the edge of the other, raised to a
-//! higher degree. Both patches then get that degree along the edge, so that they are neighbours like any others: their
-//! control points on the edge are equal bit for bit.
+//! Patches of different degree that meet along one curve. The edge of one patch may be the edge of the other, raised to
+//! a higher degree. Both patches then get that degree along the edge, so that they are neighbours like any others:
+//! their control points on the edge are equal bit for bit.
 
 use glam::DVec4;
 
@@ -53,8 +53,9 @@ struct Common {
     sides: Vec<(Side, bool)>,
 }
 
-/// For each source, its patches at a higher degree, if one of them meets a patch of another degree along the same curve.
-/// The curves are the same if their control points differ by no more than rounding once they have the same degree.
+/// For each source, its patches at a higher degree, if one of them meets a patch of another degree along the same
+/// curve. The curves are the same if their control points differ by no more than rounding once they have the same
+/// degree.
 pub(crate) fn raised(sources: &[EdgeSource<'_>]) -> Vec<Option<Raised>> {
     let mut degrees = sources.iter().flat_map(|source| [source.degree.u(), source.degree.v()]);
     let first = degrees.next();
@@ -136,8 +137,8 @@ fn sides_of(sources: &[EdgeSource<'_>]) -> Vec<Side> {
     sides
 }
 
-/// Whether a curve is another one of the same or a higher degree, and whether it runs the other way. Curves of one degree are the
-/// same if they are equal.
+/// Whether a curve is another one of the same or a higher degree, and whether it runs the other way. Curves of one
+/// degree are the same if they are equal.
 fn is_same(curve: &[DVec4], of: &[DVec4]) -> Option<bool> {
     /// Relative to the largest coordinate, and of a weight.
     const ROUNDING: f64 = 1e-12;

@@ -16,8 +16,8 @@ use crate::error::{Error, Result};
 const TOLERANCE: f64 = 1e-8;
 /// Weights of a curve lie within this factor of 1.
 const MAX_WEIGHT: f64 = 1e9;
-/// The maximum number of times that a curve is halved. Curves with weights of the largest ratio take about 15; after 200
-/// the control points of a piece differ in no digit, so that a line is right.
+/// The maximum number of times that a curve is halved. Curves with weights of the largest ratio take about 15; after
+/// 200 the control points of a piece differ in no digit, so that a line is right.
 const MAX_HALVINGS: u32 = 200;
 
 /// A curve of a loop: Bézier curves of degrees 1 to 15, end to end, with weights.
@@ -133,8 +133,8 @@ impl TrimCurve {
 }
 
 impl TrimLoop {
-    /// A closed chain of curves in the domain [0, 1]². Their segments are at most 1e-8 away from them, and those that are
-    /// lines, quadratics and cubics without weights stay exact. Gaps below 1e-6 are closed.
+    /// A closed chain of curves in the domain [0, 1]². Their segments are at most 1e-8 away from them, and those that
+    /// are lines, quadratics and cubics without weights stay exact. Gaps below 1e-6 are closed.
     ///
     /// # Errors
     /// As [`TrimLoop::new`]; it numbers the segments, of which a curve may have several.
@@ -142,7 +142,8 @@ impl TrimLoop {
         Self::from_curves_over(curves, &ParameterSizes::default())
     }
 
-    /// The same for a surface with any parameters. Distances are relative to its smallest patch, and gaps to its domain.
+    /// The same for a surface with any parameters. Distances are relative to its smallest patch, and gaps to its
+    /// domain.
     ///
     /// # Errors
     /// As [`TrimLoop::from_curves`].

@@ -12,8 +12,8 @@ use super::{
 };
 use crate::error::{Error, Result};
 
-/// The maximum distance between an arc and its cubics, if the smallest patch has a size of 1 to 2. (For radii from about 1e8 on, `f64`
-/// is not precise enough for this.)
+/// The maximum distance between an arc and its cubics, if the smallest patch has a size of 1 to 2. (For radii from
+/// about 1e8 on, `f64` is not precise enough for this.)
 const ARC_TOLERANCE: f64 = 1e-8;
 
 impl Trims {

@@ -48,8 +48,8 @@ impl View<'_> {
         at.distance(beside)
     }
 
-    /// Compares pixels with rays. Pixels near an edge or a silhouette are left out: where rays a pixel around do not all
-    /// meet the same face. Returns the numbers of pixels that show a face and that show nothing.
+    /// Compares pixels with rays. Pixels near an edge or a silhouette are left out: where rays a pixel around do not
+    /// all meet the same face. Returns the numbers of pixels that show a face and that show nothing.
     fn compare(&self, name: &str, aovs: &Aovs, random: &mut Random, count: usize) -> [usize; 2] {
         let mut compared = [0; 2];
         for _ in 0..count {

@@ -1,5 +1,5 @@
-//! Real STEP, IGES and BREP files, read by the helper program. Left out where the helper (`sh setup.sh cad`) or the files
-//! are absent.
+//! Real STEP, IGES and BREP files, read by the helper program. Left out where the helper (`sh setup.sh cad`) or the
+//! files are absent.
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use freeform_surface::model::{ImportOptions, import};
 
 /// The files and their numbers of faces, in products and in all places of them. The numbers of the products are those
-/// of ADVANCED_FACE entities in STEP files, of entities 144 (or of 128, if there are none) in IGES files and of face records in BREP files.
+/// of ADVANCED_FACE entities in STEP files, of entities 144 (or of 128, if there are none) in IGES files and of face
+/// records in BREP files.
 const FILES: [(&str, usize, usize); 12] = [
     ("as1-oc-214.stp", 53, 160),
     ("as1_pe_203.igs", 160, 160),

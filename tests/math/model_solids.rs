@@ -1,5 +1,6 @@
 //! The stored models are closed solids: every edge has two uses in opposite directions, edges meet end to end and lie
-//! on their surfaces, and the volumes are those of the shapes. Curves and surfaces are evaluated here by their formulas.
+//! on their surfaces, and the volumes are those of the shapes. Curves and surfaces are evaluated here by their
+//! formulas.
 
 use std::f64::consts::PI;
 use std::path::Path;

@@ -189,7 +189,8 @@ fn beyond(rows: &[&Row]) -> Option<String> {
         .then(|| format!(" OCCT's mesh for half a pixel is further off on {}.", off.join(", ")))
 }
 
-/// The time from the large model's file to its first draw call, without shaders. It is the scene that is named after its faces.
+/// The time from the large model's file to its first draw call, without shaders. It is the scene that is named after
+/// its faces.
 fn first_draw(rows: &[&Row]) -> Option<String> {
     let scene = scenes(rows).into_iter().find(|scene| scene.ends_with(" faces"))?;
     let part = |name: &&str| find(rows, scene, &format!("{FIRST}: {name}"))?.ms;
