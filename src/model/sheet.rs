@@ -59,7 +59,14 @@ impl<'a> Sheet<'a> {
             FaceSurface::Cylinder { .. } | FaceSurface::Cone { .. } => (turn, infinite),
             FaceSurface::Sphere { .. } => (turn, (None, [-FRAC_PI_2, FRAC_PI_2])),
             FaceSurface::Torus { .. } => (turn, turn),
-            FaceSurface::Revolution { curve, .. } => (turn, of_curve(curve)),
+            FaceSurface::Revolution { origin, axis, curve } => {
+                let off_axis =
+                    |t: f64| (curve.curve.at(t)[0] - *origin).reject_from(*axis).length();
+                let (period, limits) = of_curve(curve);
+                // Between two poles there is nothing beyond the curve's ends, as on a sphere.
+                let is_whole = curve.range.into_iter().all(|t| off_axis(t) <= tolerance);
+                (turn, (period, if is_whole { curve.range } else { limits }))
+            }
             FaceSurface::Extrusion { curve, .. } => (of_curve(curve), infinite),
             FaceSurface::Nurbs(nurbs) => {
                 let [low, high] = nurbs.domain();

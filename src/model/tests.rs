@@ -335,8 +335,15 @@ fn spheres() {
                 let curve = Curve::Circle { frame, radius };
                 let edges = vec![Some(BoundedCurve { curve, range: TURN })];
                 let loops: Uses<'_> = &[&[(0, forward)]];
-                let model = model(surface.clone(), edges, loops, bounds);
-                check(&model, setting, 4.0 * PI * height, 0.0);
+                let turned = FaceSurface::Revolution {
+                    origin: setting.of_surface().origin,
+                    axis: setting.of_surface().z,
+                    curve: meridian(-FRAC_PI_2, setting.seam).unwrap(),
+                };
+                for surface in [surface.clone(), turned] {
+                    let model = model(surface, edges.clone(), loops, bounds);
+                    check(&model, setting, 4.0 * PI * height, 0.0);
+                }
             }
         }
     }
