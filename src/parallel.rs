@@ -10,8 +10,10 @@ const MIN_EACH: usize = 4;
 /// The results of a function for the numbers from 0 up to `count`, in their order. Several threads take the numbers one by
 /// one, so that work of different length is shared out.
 pub(crate) fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = cores.min(MAX_THREADS).min(count.div_ceil(MIN_EACH));
+    // Asking for the number of cores reads files.
+    let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = if count <= MIN_EACH { 1 } else { cores().min(MAX_THREADS) };
+    let threads = threads.min(count.div_ceil(MIN_EACH));
     if threads <= 1 {
         return (0..count).map(of).collect();
     }
