@@ -105,6 +105,18 @@ proptest! {
 }
 
 #[test]
+fn a_span_that_is_too_short_to_draw_leaves_no_gap() {
+    let knots = [vec![0.0, 0.0, 0.0, 0.5, 0.5 + 3e-13, 1.0, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+    let points = (0..10).map(f64::from).map(|x| DVec4::new(x, 1e3 * x.sin(), 0.3 * x, 1.0));
+    let nurbs = NurbsSurface::new(Degree::new(2, 1).unwrap(), knots, points.collect()).unwrap();
+    let surface = Surface::from_nurbs(nurbs);
+    let [first, second] = &surface.patches().collect::<Vec<_>>()[..] else { panic!("two patches") };
+    for row in 0..2 {
+        assert_eq!(first.points()[3 * row + 2], second.points()[3 * row]);
+    }
+}
+
+#[test]
 fn a_surface_without_inner_knots_is_its_own_patch() {
     let points: Vec<DVec4> =
         (0..12).map(|i| DVec4::new(f64::from(i) * 0.1, f64::from(i * i), 0.3, 1.0)).collect();
