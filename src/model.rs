@@ -187,3 +187,32 @@ pub struct ProductUse {
 
 #[cfg(test)]
 mod tests;
+
+impl Model {
+    /// The short name of the unit of length, such as mm; that of an unusual unit is its length in metres, in parentheses.
+    #[must_use]
+    pub fn unit_name(&self) -> String {
+        const NAMES: [(f64, &str); 6] =
+            [(1e-6, "µm"), (1e-3, "mm"), (1e-2, "cm"), (1.0, "m"), (0.0254, "in"), (0.3048, "ft")];
+        let is_it = |metres: f64| (self.unit - metres).abs() < 1e-9 * metres;
+        let found = NAMES.iter().find(|(metres, _)| is_it(*metres));
+        found.map_or_else(|| format!("({} m)", self.unit), |(_, name)| (*name).to_owned())
+    }
+}
+
+impl FaceSurface {
+    /// The kind of the surface in the words of CAD systems.
+    #[must_use]
+    pub const fn kind(&self) -> &'static str {
+        match self {
+            Self::Plane(_) => "plane",
+            Self::Cylinder { .. } => "cylinder",
+            Self::Cone { .. } => "cone",
+            Self::Sphere { .. } => "sphere",
+            Self::Torus { .. } => "torus",
+            Self::Revolution { .. } => "surface of revolution",
+            Self::Extrusion { .. } => "surface of extrusion",
+            Self::Nurbs(_) => "B-spline surface",
+        }
+    }
+}

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use freeform_surface::LoadOptions;
-use freeform_surface::model::{Deviation, DrawnFace, FaceSurface, Model, PcurveSource};
+use freeform_surface::model::{Deviation, DrawnFace, Model, PcurveSource};
 use glam::DVec3;
 
 use crate::io::{Result, say};
@@ -21,20 +21,20 @@ const MOST: usize = 20;
 pub(super) fn print(path: &Path, options: &LoadOptions) -> Result<()> {
     let model = Model::load(path, options)?;
     let faces = model.drawn_faces();
-    let unit = Unit(model.unit);
+    let unit = model.unit_name();
     let line = |name: &str, value: String| say(format_args!("{name:24} {value}"));
     line(
         "model",
         if model.name.is_empty() { path.display().to_string() } else { model.name.clone() },
     )?;
-    line("unit", unit.to_string())?;
+    line("unit", unit.clone())?;
     let instances = model.instances()?;
     let drawn = |face: usize| faces[face].as_ref().ok();
     let size = size(instances.iter().filter_map(|at| Some((drawn(at.face)?, at.placement))));
     line("size", format!("{} × {} × {} {unit}", digits(size.x), digits(size.y), digits(size.z)))?;
     line("products", model.products.len().to_string())?;
     line("faces", format!("{}, in all places {}", model.faces.len(), instances.len()))?;
-    line("  by surface", counts(model.faces.iter().map(|face| kind(&face.surface))))?;
+    line("  by surface", counts(model.faces.iter().map(|face| face.surface.kind())))?;
     let had = || faces.iter().filter_map(|face| face.as_ref().ok());
     line("  by degree", counts(had().map(|face| face.surface.degree())))?;
     line("  Bézier patches", had().map(patches).sum::<usize>().to_string())?;
@@ -82,7 +82,7 @@ fn edges(model: &Model, line: &impl Fn(&str, String) -> Result<()>) -> Result<()
 fn p_curves(
     model: &Model,
     faces: &[freeform_surface::Result<DrawnFace>],
-    unit: &Unit,
+    unit: &str,
     line: &impl Fn(&str, String) -> Result<()>,
 ) -> Result<()> {
     let drawn =
@@ -127,19 +127,6 @@ fn p_curves(
         line("  ", format!("{} more edges", found.len() - MOST))?;
     }
     Ok(())
-}
-
-const fn kind(surface: &FaceSurface) -> &'static str {
-    match surface {
-        FaceSurface::Plane(_) => "plane",
-        FaceSurface::Cylinder { .. } => "cylinder",
-        FaceSurface::Cone { .. } => "cone",
-        FaceSurface::Sphere { .. } => "sphere",
-        FaceSurface::Torus { .. } => "torus",
-        FaceSurface::Revolution { .. } => "revolution",
-        FaceSurface::Extrusion { .. } => "extrusion",
-        FaceSurface::Nurbs(_) => "NURBS",
-    }
 }
 
 fn patches(face: &DrawnFace) -> usize {
@@ -187,18 +174,4 @@ fn size<'a>(faces: impl Iterator<Item = (&'a DrawnFace, glam::DAffine3)>) -> DVe
 /// A number with six digits, in its shortest form.
 fn digits(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
-}
-
-/// A unit of length, in metres.
-struct Unit(f64);
-
-impl std::fmt::Display for Unit {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        const NAMES: [(f64, &str); 6] =
-            [(1e-6, "µm"), (1e-3, "mm"), (1e-2, "cm"), (1.0, "m"), (0.0254, "in"), (0.3048, "ft")];
-        match NAMES.into_iter().find(|(metres, _)| (self.0 / metres - 1.0).abs() < 1e-12) {
-            Some((_, name)) => f.write_str(name),
-            None => write!(f, "({} m)", self.0),
-        }
-    }
 }

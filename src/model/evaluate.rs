@@ -61,14 +61,7 @@ impl NurbsCurve<DVec4> {
     /// Point and derivative at a parameter.
     #[must_use]
     pub fn at(&self, t: f64) -> [DVec3; 2] {
-        let basis = Basis::new(self.degree(), self.knots(), t);
-        let (mut value, mut slope) = (DVec4::ZERO, DVec4::ZERO);
-        for (i, point) in self.control_points()[basis.first..][..=self.degree()].iter().enumerate()
-        {
-            let point = (point.truncate() * point.w).extend(point.w);
-            value += point * basis.values[i];
-            slope += point * basis.slopes[i];
-        }
+        let [value, slope] = self.blended(t, |point| (point.truncate() * point.w).extend(point.w));
         let position = value.truncate() / value.w;
         [position, (slope.truncate() - position * slope.w) / value.w]
     }
@@ -78,16 +71,24 @@ impl NurbsCurve<DVec3> {
     /// Point and derivative at a parameter.
     #[must_use]
     pub fn at(&self, t: f64) -> [DVec2; 2] {
+        let [value, slope] = self.blended(t, |point| (point.truncate() * point.z).extend(point.z));
+        let position = value.truncate() / value.z;
+        [position, (slope.truncate() - position * slope.z) / value.z]
+    }
+}
+
+impl<P: Copy + Default + std::ops::AddAssign + std::ops::Mul<f64, Output = P>> NurbsCurve<P> {
+    /// The homogeneous point at a parameter, and its derivative.
+    fn blended(&self, t: f64, homogeneous: impl Fn(P) -> P) -> [P; 2] {
         let basis = Basis::new(self.degree(), self.knots(), t);
-        let (mut value, mut slope) = (DVec3::ZERO, DVec3::ZERO);
+        let (mut value, mut slope) = (P::default(), P::default());
         for (i, point) in self.control_points()[basis.first..][..=self.degree()].iter().enumerate()
         {
-            let point = (point.truncate() * point.z).extend(point.z);
+            let point = homogeneous(*point);
             value += point * basis.values[i];
             slope += point * basis.slopes[i];
         }
-        let position = value.truncate() / value.z;
-        [position, (slope.truncate() - position * slope.z) / value.z]
+        [value, slope]
     }
 }
 

@@ -588,3 +588,12 @@ fn drawn_surfaces_are_the_surfaces() {
         }
     }
 }
+
+#[test]
+fn units_have_their_usual_names() {
+    let of = |unit: f64| Model {
+        unit,
+        ..model(FaceSurface::Plane(Frame::WORLD), Vec::new(), &[], [0.0, 1.0, 0.0, 1.0])
+    };
+    assert_eq!([0.001, 0.0254, 0.5].map(|unit| of(unit).unit_name()), ["mm", "in", "(0.5 m)"]);
+}

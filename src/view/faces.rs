@@ -1,7 +1,7 @@
 //! Surfaces that the user clicks: the facts about a face of a CAD model, its outline, and which surfaces are hidden.
 
 use freeform_surface::inspect::reference::Rays;
-use freeform_surface::model::{DrawnFace, FaceSurface};
+use freeform_surface::model::DrawnFace;
 use freeform_surface::{Error, Result, Scene, Surface};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -129,8 +129,8 @@ impl Picked {
         // Products are placed with one scale for all directions; the scale of the scene is no part of the model.
         let scale = volume(&surface.transform) / volume(&of.transform);
         let area = four_digits(drawn.area() * scale.abs().powf(2.0 / 3.0));
-        let (kind, unit) = (kind(&known.surface), unit(of.model.unit));
-        let facts = format!("{title}: {kind}, {net}, {area} {unit}");
+        let (kind, unit) = (known.surface.kind(), of.model.unit_name());
+        let facts = format!("{title}: {kind}, {net}, {area} {unit}²");
         Some(Self { surface: number, facts, outline: outline(surface) })
     }
 }
@@ -138,35 +138,6 @@ impl Picked {
 /// By which factor a transform changes volumes.
 fn volume(transform: &DMat4) -> f64 {
     DMat3::from_mat4(*transform).determinant()
-}
-
-/// The kind of a surface in the words of CAD systems.
-const fn kind(surface: &FaceSurface) -> &'static str {
-    match surface {
-        FaceSurface::Plane(_) => "plane",
-        FaceSurface::Cylinder { .. } => "cylinder",
-        FaceSurface::Cone { .. } => "cone",
-        FaceSurface::Sphere { .. } => "sphere",
-        FaceSurface::Torus { .. } => "torus",
-        FaceSurface::Revolution { .. } => "surface of revolution",
-        FaceSurface::Extrusion { .. } => "surface of extrusion",
-        FaceSurface::Nurbs(_) => "B-spline surface",
-    }
-}
-
-/// The name of the square of a unit of so many metres.
-fn unit(metres: f64) -> String {
-    const KNOWN: [(f64, &str); 6] = [
-        (1e-6, "µm²"),
-        (1e-3, "mm²"),
-        (1e-2, "cm²"),
-        (1.0, "m²"),
-        (0.0254, "in²"),
-        (0.3048, "ft²"),
-    ];
-    let is_it = |known: f64| (metres - known).abs() < 1e-9 * known;
-    let found = KNOWN.iter().find(|(known, _)| is_it(*known));
-    found.map_or_else(|| format!("units² of {metres} m"), |(_, name)| (*name).into())
 }
 
 /// A number with four significant digits.

@@ -5,5 +5,6 @@ mod harness;
 
 mod commands;
 mod measure;
+mod models;
 mod report;
 mod smooth;

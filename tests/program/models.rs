@@ -1,0 +1,76 @@
+//! CAD models on the command line: `freeform info FILE` and `freeform convert`.
+
+use crate::harness::program::{Folder, resource, text};
+
+/// A sheet of 2 × 1 inches, used twice, and a face whose edge is missing.
+const SHEETS: &str = "freeform-model 1 name \"sheets\" unit 0.0254
+edge tolerance 1e-7 range 0 2 line 0 0 0  1 0 0
+edge tolerance 1e-7 range 0 1 line 2 0 0  0 1 0
+edge tolerance 1e-7 range 0 2 line 0 1 0  1 0 0
+edge tolerance 1e-7 range 0 1 line 0 0 0  0 1 0
+face tolerance 1e-7 forward bounds 0 2 0 1 plane origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1
+  loop 4 + 0 + 1 - 2 - 3
+face name \"torn\" tolerance 1e-7 forward bounds 0 2 0 1 plane origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1
+  loop 3 + 0 + 1 - 2
+product name \"sheet\" faces 0 2
+product faces 2 0 use 0 columns 1 0 0 0 1 0 0 0 1 0 0 0 use 0 columns 1 0 0 0 1 0 0 0 1 3 0 4
+end
+";
+
+#[test]
+fn info_says_what_a_model_consists_of() {
+    let folder = Folder::new();
+    folder.write("sheets.ffm", SHEETS);
+    let output = folder.run(&["info", "sheets.ffm"]);
+    let said = text(&output.stdout);
+    let value = |name: &str| {
+        let line = said.lines().find(|line| line.trim_start().starts_with(name));
+        line.unwrap_or_else(|| panic!("{name} in {said}"))[24..].trim().to_owned()
+    };
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    for (name, expected) in [
+        ("model", "sheets"),
+        ("unit", "in"),
+        ("size", "5 × 1 × 4 in"),
+        ("products", "2"),
+        ("faces", "2, in all places 4"),
+        ("by surface", "plane 2"),
+        ("by degree", "(1, 1) 1"),
+        ("trim segments", "4"),
+        ("area", "2 in²"),
+        ("edges  ", "4: used twice 3, open 1, used more often 0, poles 0"),
+        ("p-curves", "0 of the file, 4 computed, 0 computed because the file's is off"),
+    ] {
+        assert_eq!(value(name), expected, "{name}");
+    }
+    assert!(value("left out").starts_with("face 1 \"torn\""), "{said}");
+    let output = folder.run(&["info", "none.ffm"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(text(&output.stderr).lines().count(), 1);
+}
+
+#[test]
+fn convert_writes_the_model_whole_or_nothing() {
+    let folder = Folder::new();
+    let flange = resource("models/flange.ffm");
+    let output = folder.run(&["convert", &flange, "-o", "out.ffm"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let stored = std::fs::read_to_string(&flange).unwrap();
+    assert_eq!(std::fs::read_to_string(folder.path("out.ffm")).unwrap(), stored);
+    let output = folder.run(&["convert", &flange, "-o", "-"]);
+    assert_eq!(text(&output.stdout), stored);
+
+    folder.write("cut.ffm", &stored[..stored.len() / 2]);
+    for (arguments, words) in [
+        (["convert", "cut.ffm", "-o", "out.ffm"], "cut.ffm:"),
+        (["convert", "none.step", "-o", "out.ffm"], "none.step"),
+        (["convert", &flange, "-o", "out.step"], "ends in .ffm"),
+    ] {
+        let output = folder.run(&arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(words) && said.lines().count() == 1, "{said}");
+        assert_eq!(std::fs::read_to_string(folder.path("out.ffm")).unwrap(), stored);
+        assert!(!folder.path("out.step").exists());
+    }
+}
