@@ -15,9 +15,9 @@ use crate::parallel;
 use crate::programs::Output;
 use crate::renderer::{
     ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
-    RaisedPatches, Renderer,
+    RaisedPatches, Renderer, Strokes, SurfaceJoint,
 };
-use crate::scene::{Method, Paint, Scene, Surface};
+use crate::scene::{CadModel, FaceOfModel, Method, Paint, Scene, Surface};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
 
 /// A scene uploaded to the driver, ready to be drawn from any viewpoint.
@@ -26,6 +26,7 @@ pub struct PreparedScene {
     surfaces: Vec<PreparedSurface>,
     meshes: Vec<PreparedMesh>,
     draw_list: DrawList,
+    strokes: Strokes,
     stats: FrameStats,
 }
 
@@ -51,6 +52,7 @@ impl PreparedScene {
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
         let mut draw_list = DrawList::default();
+        let joints = joints(scene);
         if !scene.surfaces.is_empty() {
             let Neighbours { table, centerings, raised } = neighbours(scene);
             let mut points = Vec::with_capacity(scene.surfaces.len());
@@ -84,13 +86,14 @@ impl PreparedScene {
                     raised,
                 )?);
             }
-            draw_list = DrawList::of_neighbours(table, &surfaces);
+            draw_list = DrawList::of_neighbours(table, &surfaces, !joints.is_empty());
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
             meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
-        Ok(Self { surfaces, meshes, draw_list, stats: FrameStats::default() })
+        let strokes = Strokes::new(joints);
+        Ok(Self { surfaces, meshes, draw_list, strokes, stats: FrameStats::default() })
     }
 
     fn draw_together(
@@ -101,6 +104,9 @@ impl PreparedScene {
     ) -> Result<()> {
         let (surfaces, draw_list) = (&mut self.surfaces, &mut self.draw_list);
         let mut stats = renderer.draw_surfaces(surfaces, draw_list, frame, output)?;
+        self.strokes.update(renderer, surfaces, frame, draw_list.state())?;
+        renderer.draw_strokes(&self.strokes, frame, output)?;
+        stats.draws += self.strokes.draws();
         for mesh in &mut self.meshes {
             mesh.update(renderer, frame)?;
             renderer.draw_mesh(mesh, frame, output, stats.patches, None)?;
@@ -139,6 +145,7 @@ impl PreparedScene {
                 .try_for_each(|surface| surface.upload_trims(renderer.gl(), &frame.settings))?,
             Method::Exact => self.draw_list.update(renderer, &mut self.surfaces, frame)?,
         }
+        self.strokes.update(renderer, &self.surfaces, frame, self.draw_list.state())?;
         self.meshes.iter_mut().try_for_each(|mesh| mesh.update(renderer, frame))
     }
 
@@ -160,6 +167,39 @@ impl PreparedScene {
         }
         Ok(self.stats)
     }
+}
+
+/// The joints of all faces of CAD models.
+fn joints(scene: &Scene) -> Vec<SurfaceJoint> {
+    // The surface of each face in each place of its product.
+    let mut surfaces: HashMap<(usize, usize), usize> = HashMap::new();
+    let mut joints_of: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
+    for (number, surface) in scene.surfaces.iter().enumerate() {
+        if let Some(face) = surface.face {
+            surfaces.insert((face.model, face.instance), number);
+        }
+    }
+    for (model, CadModel { joints, .. }) in scene.models.iter().enumerate() {
+        for (number, joint) in joints.iter().enumerate() {
+            joints_of.entry((model, joint.faces[0])).or_default().push(number);
+        }
+    }
+    let mut found = Vec::new();
+    for (number, surface) in scene.surfaces.iter().enumerate() {
+        let Some(FaceOfModel { model, face, instance }) = surface.face else { continue };
+        for joint in joints_of.get(&(model, face)).into_iter().flatten() {
+            let joints = &scene.models[model].joints;
+            // The faces of a product are numbered alike in all of its places.
+            let other = (instance + joints[*joint].faces[1]).checked_sub(face);
+            let other = other.and_then(|other| surfaces.get(&(model, other)));
+            found.extend(other.map(|other| SurfaceJoint {
+                joints: Arc::clone(joints),
+                number: *joint,
+                surfaces: [number, *other],
+            }));
+        }
+    }
+    found
 }
 
 /// What the surfaces of a scene have to do with each other.

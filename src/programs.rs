@@ -98,6 +98,16 @@ pub mod location {
     pub const GROUP_SIZE: u32 = 35;
     /// `passPaint`.
     pub const PAINT: u32 = 36;
+    /// `segments`.
+    pub const SEGMENTS: u32 = 37;
+    /// `firstSegment`.
+    pub const FIRST_SEGMENT: u32 = 41;
+    /// `rayStart`.
+    pub const RAY_START: u32 = 38;
+    /// `rayDirection`.
+    pub const RAY_DIRECTION: u32 = 39;
+    /// `depthTerms`.
+    pub const DEPTH_TERMS: u32 = 40;
 }
 
 /// Binding point of the storage buffer `trimPointsSsbo`, as in listing 13.
@@ -112,6 +122,8 @@ pub const CONTROL_POINTS_UNIT: u32 = 3;
 pub const SURFACES_UNIT: u32 = 4;
 /// Texture unit of `subPatches`.
 pub const SUB_PATCHES_UNIT: u32 = 8;
+/// Texture unit of `strokes`; programs with strokes have no sub-patches.
+pub const STROKES_UNIT: u32 = SUB_PATCHES_UNIT;
 /// Texture unit of `domains`.
 pub const DOMAINS_UNIT: u32 = 7;
 /// Texture unit of `levels`. The buffer's second view, which no shader reads, takes the next unit.
@@ -148,6 +160,11 @@ pub enum Pipeline {
     },
     /// Triangles tessellated in advance, with the fragment stage of a method.
     Static(Method),
+    /// Strokes along the joints of faces, with that many samples per pixel.
+    Strokes {
+        /// Samples per pixel of the target.
+        samples: u32,
+    },
     /// Control points, drawn as squares.
     Points,
 }
@@ -315,7 +332,7 @@ macro_rules! glsl {
 }
 
 /// Every shader file of `glsl/`: its path there and its text.
-const FILES: [(&str, &str); 25] = glsl![
+const FILES: [(&str, &str); 27] = glsl![
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
@@ -329,6 +346,8 @@ const FILES: [(&str, &str); 25] = glsl![
     "exact/surface.tesc",
     "exact/surface.tese",
     "exact/surface.frag",
+    "exact/stroke.vert",
+    "exact/stroke.frag",
     "thesis/surface.vert",
     "thesis/surface.tesc",
     "thesis/surface.tese",
@@ -387,7 +406,11 @@ impl Sources {
     /// The driver rejects a shader or the program. Errors of the compiler name file and line.
     pub fn link(&self, gl: &Gl, key: ProgramKey) -> Result<Program> {
         let samples = match key.pipeline {
-            Pipeline::Exact { samples, .. } if key.output != Output::Aovs => samples,
+            Pipeline::Exact { samples, .. } | Pipeline::Strokes { samples }
+                if key.output != Output::Aovs =>
+            {
+                samples
+            }
             _ => 1,
         };
         let mut defines = vec![("SAMPLES", samples)];

@@ -4,7 +4,8 @@
 //! patches. `sub_patches.rs` chooses sub-patches to suit the drivers and the trims, `surface_trims.rs` for each patch.
 //! `raised.rs` makes neighbours of patches whose common edge has two degrees. `square_nets.rs` brings patches of any
 //! degree to the sizes that the bound knows. `normal_cone.rs` bounds the directions of normals. `plan.rs` combines
-//! these once per frame. `triangle.rs` bounds the error of meshes' smooth triangles.
+//! these once per frame. `triangle.rs` bounds the error of meshes' smooth triangles. `strokes.rs` covers
+//! the gaps between the faces of CAD models.
 
 mod bound;
 mod disjoint_sets;
@@ -13,6 +14,7 @@ mod normal_cone;
 mod plan;
 mod raised;
 mod square_nets;
+mod strokes;
 mod sub_patches;
 mod surface_trims;
 mod triangle;
@@ -25,6 +27,9 @@ pub use plan::FrameStats;
 pub(crate) use plan::{Lists, Plan, SubPatch, SurfacePatches, TrimmedList, raise};
 pub(crate) use raised::{Raised, raised};
 pub(crate) use square_nets::SquareNets;
+pub(crate) use strokes::{
+    LEFT_TO_FACES, PlacedJoint, SEGMENT_TEXELS, StrokeSegment, StrokeSide, StrokeView,
+};
 pub(crate) use sub_patches::{DrawSize, Split, Tessellated, patches_of_next_draw};
 pub(crate) use surface_trims::SurfaceTrims;
 pub(crate) use triangle::{TriangleBound, triangles_of_triangle, vertices_of_triangle};

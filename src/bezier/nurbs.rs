@@ -39,6 +39,14 @@ impl PatchGrid {
         [dvec2(u[0], v[0]), dvec2(u[1], v[1])]
     }
 
+    /// The number of the patch at parameters of the domain.
+    pub(crate) fn patch_at(&self, place: DVec2) -> usize {
+        let along = |spans: &[[f64; 2]], t: f64| {
+            spans.partition_point(|span| span[1] < t).min(spans.len() - 1)
+        };
+        along(&self.rows, place.y) * self.columns.len() + along(&self.columns, place.x)
+    }
+
     /// Whether the surface goes on beyond a side of a patch: 0 is u = 0, 1 is v = 0, 2 is u = 1, 3 is v = 1.
     pub(crate) fn continues(&self, patch: usize, side: usize) -> bool {
         let columns = self.columns.len();

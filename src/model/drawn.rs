@@ -7,7 +7,7 @@ use super::chain::{Chain, Distances, chain, sorted};
 use super::evaluate::nurbs_at;
 use super::sheet::Sheet;
 use super::{BoundedCurve, Coedge, Curve, Face, FaceSurface, Model};
-use crate::bezier::{NurbsSurface, bounding_box};
+use crate::bezier::{NurbsSurface, SurfacePoint, bounding_box};
 use crate::error::{Error, Result};
 use crate::parallel;
 use crate::trim::{Segment, Trims};
@@ -30,18 +30,30 @@ pub struct DrawnFace {
 impl DrawnFace {
     /// The point at (u, v), which may lie periods outside of the domain.
     #[must_use]
-    pub fn point(&self, mut uv: DVec2) -> DVec3 {
+    pub fn point(&self, uv: DVec2) -> DVec3 {
+        self.at(uv).position
+    }
+
+    /// The same with the derivatives.
+    pub(super) fn at(&self, uv: DVec2) -> SurfacePoint {
         let [low, high] = self.surface.domain();
+        let uv = (uv + self.periods_into_domain(uv)).clamp(low, high);
+        nurbs_at(&self.surface, uv.x, uv.y)
+    }
+
+    /// The whole periods to be added to (u, v) so that it lies in the domain.
+    pub(super) fn periods_into_domain(&self, uv: DVec2) -> DVec2 {
+        let [low, high] = self.surface.domain();
+        let mut by = DVec2::ZERO;
         for axis in 0..2 {
             if let Some(period) = self.periods[axis] {
                 let middle = f64::midpoint(low[axis], high[axis]);
                 if !(low[axis]..=high[axis]).contains(&uv[axis]) {
-                    uv[axis] -= period * ((uv[axis] - middle) / period).round();
+                    by[axis] = -period * ((uv[axis] - middle) / period).round();
                 }
             }
         }
-        let uv = uv.clamp(low, high);
-        nurbs_at(&self.surface, uv.x, uv.y).position
+        by
     }
 }
 

@@ -43,8 +43,11 @@ impl PreparedScene {
         if surfaces.clone().all(|surface| surface.nurbs().is_none()) {
             return;
         }
-        let pixels = aovs.uv.iter_mut().zip(&aovs.patch_uv).zip(&mut aovs.face);
+        let pixels = aovs.uv.iter_mut().zip(&mut aovs.patch_uv).zip(&mut aovs.face);
         for ((uv, own), face) in pixels {
+            if uv[3] != 0.0 && uv[2] < 0.0 {
+                self.set_patch(&firsts, uv, own);
+            }
             let patch = uv[2] as usize;
             if uv[3] == 0.0 || patch >= next {
                 continue;
@@ -58,6 +61,19 @@ impl PreparedScene {
                 *face = [of.face as f32, of.instance as f32, of.model as f32, 1.0];
             }
         }
+    }
+
+    /// Finds the patch of a pixel of a stroke, which has the number of its surface instead, and shares of its domain.
+    fn set_patch(&self, firsts: &[usize], uv: &mut [f32; 4], own: &mut [f32; 2]) {
+        let number = (-1.0 - uv[2]) as usize;
+        let Some(surface) = self.surfaces.get(number).map(PreparedSurface::surface) else { return };
+        let [low, high] = surface.domain();
+        let share = DVec2::new(own[0].into(), own[1].into());
+        let place = low + share * (high - low);
+        let patch = surface.patch_at(place);
+        let [low, high] = surface.patch_domain(patch);
+        uv[2] = (firsts[number] + patch) as f32;
+        *own = ((place - low) / (high - low)).as_vec2().to_array();
     }
 
     /// Captures the vertices of all triangles that a frame of the exact method draws, three for each triangle. The

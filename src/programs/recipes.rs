@@ -67,6 +67,7 @@ pub(super) const fn recipe(pipeline: Pipeline) -> (&'static str, &'static [Ingre
         Pipeline::Triangles { .. } => ("smooth triangles", TRIANGLES),
         Pipeline::Static(Method::Exact) => ("static triangles", STATIC_EXACT),
         Pipeline::Static(Method::Thesis) => ("static triangles, as the thesis", STATIC_THESIS),
+        Pipeline::Strokes { .. } => ("strokes", STROKES),
         Pipeline::Points => ("control points", POINTS),
     }
 }
@@ -137,6 +138,12 @@ const STATIC_THESIS: &[Ingredient] = recipe! {
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "thesis/surface.frag" Picture;
+};
+
+const STROKES: &[Ingredient] = recipe! {
+    Vertex "exact/stroke.vert" Always;
+    Fragment "common/phong.glsl" Lit;
+    Fragment "exact/stroke.frag" Always;
 };
 
 const POINTS: &[Ingredient] = recipe! {

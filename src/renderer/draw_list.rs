@@ -20,8 +20,8 @@ use crate::gpu::{Buffer, TexelBuffer};
 use crate::programs::{Output, Painting, TrimFeatures};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
-    EdgeSource, EdgeTable, Eye, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
-    SurfacePatches, TrimmedList,
+    EdgeSource, EdgeTable, Eye, FrameStats, LEFT_TO_FACES, Lists, PatchKind, Plan, Rounding,
+    Screen, SubPatch, SurfacePatches, TrimmedList,
 };
 
 /// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
@@ -58,6 +58,10 @@ pub(crate) struct DrawList {
     /// For each patch, where its domain lies in that of its surface, if a picture is drawn over the latter.
     domains: Option<TexelBuffer>,
     draws: Vec<Draw>,
+    /// Whether surfaces meet along joints, whose strokes need a share of the tolerance.
+    has_joints: bool,
+    /// Counts the changes of anything above.
+    state: u64,
 }
 
 /// What a list of draws depends on, besides the surfaces.
@@ -98,9 +102,18 @@ struct BatchKey {
 
 impl DrawList {
     /// An empty list, with the table of the surfaces' edges already made.
-    pub(crate) fn of_neighbours(table: EdgeTable, surfaces: &[PreparedSurface]) -> Self {
+    pub(crate) fn of_neighbours(
+        table: EdgeTable,
+        surfaces: &[PreparedSurface],
+        has_joints: bool,
+    ) -> Self {
         let borders = surfaces.iter().map(|surface| surface.revision().borders).collect();
-        Self { table, borders, ..Self::default() }
+        Self { table, borders, has_joints, ..Self::default() }
+    }
+
+    /// A number that changes with everything that the list depends on.
+    pub(crate) const fn state(&self) -> u64 {
+        self.state
     }
 
     /// Brings everything up to date with the surfaces and the frame, and uploads trims that are not
@@ -126,6 +139,7 @@ impl DrawList {
         }
         // If the update fails, the next one starts again.
         self.key = None;
+        self.state += 1;
         self.plan(surfaces, &key.plan);
         self.upload(renderer, surfaces, &key)?;
         self.key = Some(key);
@@ -247,6 +261,9 @@ impl DrawList {
     /// Plans the frame: the sub-patches of each list.
     fn plan(&mut self, surfaces: &mut [PreparedSurface], key: &PlanKey) {
         let tolerance = match key.tessellation {
+            Tessellation::Within(tolerance) if self.has_joints => {
+                LEFT_TO_FACES * tolerance.pixels()
+            }
             Tessellation::Within(tolerance) => tolerance.pixels(),
             Tessellation::Level(_) => 1.0,
         };

@@ -27,6 +27,11 @@ impl LocalFrame {
         Self { center: low.midpoint(high), scale: half.log2().ceil().exp2() }
     }
 
+    /// Half of the longest side of the box, rounded up to a power of two.
+    pub(super) const fn scale(&self) -> f64 {
+        self.scale
+    }
+
     /// The matrix from the driver's control points to model space.
     pub(crate) fn to_model(self) -> DMat4 {
         DMat4::from_translation(self.center) * DMat4::from_scale(DVec3::splat(self.scale))

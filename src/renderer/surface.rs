@@ -32,6 +32,8 @@ pub struct PreparedSurface {
     net: Option<Buffer>,
     uploaded_trims: UploadedTrims,
     revision: Revision,
+    /// Whether its points or trims are no longer those that it was made with.
+    is_reshaped: bool,
 }
 
 /// What planning needs of the patches of a surface.
@@ -104,6 +106,7 @@ impl PreparedSurface {
             net: None,
             uploaded_trims: UploadedTrims::default(),
             revision: Revision { borders: new_number(), rest: new_number() },
+            is_reshaped: false,
         })
     }
 
@@ -188,6 +191,7 @@ impl PreparedSurface {
             self.revision.borders = new_number();
         }
         self.net = None;
+        self.is_reshaped = true;
         self.revision.rest = new_number();
         Ok(())
     }
@@ -236,6 +240,7 @@ impl PreparedSurface {
     /// The trims, for in-place changes. The new trims must be valid.
     pub(crate) fn trims_mut(&mut self) -> &mut Trims {
         self.uploaded_trims = UploadedTrims::default();
+        self.is_reshaped = true;
         self.revision.rest = new_number();
         &mut self.surface.trims
     }
@@ -323,6 +328,24 @@ impl PreparedSurface {
 
     pub(crate) fn cones(&self) -> &[NormalCone] {
         &self.cones
+    }
+
+    /// Whether its points or trims are no longer those that it was made with.
+    pub(super) const fn is_reshaped(&self) -> bool {
+        self.is_reshaped
+    }
+
+    /// Whether triangles follow it without error: one parallelogram.
+    pub(super) fn is_flat(&self) -> bool {
+        let [a, b, c, d] = self.drawn_points() else { return false };
+        let is_even = a.w == b.w && a.w == c.w && a.w == d.w;
+        let bent = (*a - *b - *c + *d).truncate().length();
+        is_even && bent <= 1e-12 * self.points_scale()
+    }
+
+    /// Half of the longest side of the box of the control points, or up to twice as much.
+    pub(super) const fn points_scale(&self) -> f64 {
+        self.control_points.centering().scale()
     }
 
     pub(super) const fn revision(&self) -> Revision {

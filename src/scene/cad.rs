@@ -11,7 +11,7 @@ use glam::DMat4;
 use super::file::{check_is_file, extension, unreadable};
 use super::{LoadOptions, Paint, Surface};
 use crate::error::Result;
-use crate::model::{ENDED, ImportOptions, Instance, Model, import, is_cad_file};
+use crate::model::{ENDED, ImportOptions, Instance, Joint, Model, import, is_cad_file};
 
 /// A CAD model in a scene. Its faces are surfaces of the scene, which name the model by its number.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,8 @@ pub struct CadModel {
     pub color: Option<[f32; 3]>,
     /// The numbers of the faces that are left out, and why.
     pub left_out: Vec<(usize, String)>,
+    /// Where its faces meet.
+    pub joints: Arc<[Joint]>,
 }
 
 /// The face of a CAD model that a surface is.
@@ -91,8 +93,10 @@ impl CadModel {
         transform: DMat4,
         color: Option<[f32; 3]>,
     ) -> Result<(Self, Vec<Surface>)> {
-        let faces: Vec<_> = model
-            .drawn_faces()
+        let diagonal = model.diagonal();
+        let faces = model.drawn_faces();
+        let joints = model.joints(&faces, diagonal).into();
+        let faces: Vec<_> = faces
             .into_iter()
             .map(|face| face.map(|face| (Surface::from_nurbs(face.surface), face.trims)))
             .collect();
@@ -120,8 +124,14 @@ impl CadModel {
             });
             return Err(unreadable(path, reason));
         }
-        let model =
-            Self { file: path.to_owned(), model: Arc::new(model), transform, color, left_out };
+        let model = Self {
+            file: path.to_owned(),
+            model: Arc::new(model),
+            transform,
+            color,
+            left_out,
+            joints,
+        };
         Ok((model, surfaces))
     }
 

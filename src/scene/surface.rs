@@ -260,6 +260,11 @@ impl Surface {
         self.patch_grid().map_or([DVec2::ZERO, DVec2::ONE], |grid| grid.domain_of(patch))
     }
 
+    /// The number of the patch at a place of the domain.
+    pub(crate) fn patch_at(&self, place: DVec2) -> usize {
+        self.patch_grid().map_or(0, |grid| grid.patch_at(place))
+    }
+
     /// Value and derivatives of a patch where u and v run from 0 to 1 within it. A NURBS surface is evaluated on its
     /// own knots, whatever its patches are.
     ///

@@ -1,0 +1,100 @@
+// A segment of a stroke: the samples within half a width of it, as part of the face on their side of it. The depth is
+// that of the plane of the face, shifted a little (src/tessellation/strokes.rs).
+
+layout(binding = 8) uniform samplerBuffer strokes;
+
+layout(location = 0) flat in int segment;
+layout(location = 1) noperspective in vec2 place;
+
+layout(location = 26) uniform vec4 viewport;
+layout(location = 38) uniform mat4 rayStart;     // from (x/w, y/w, 1, 0) to the point seen there at distance 0
+layout(location = 39) uniform mat4 rayDirection; // and to what is added for each unit of distance along the view axis
+layout(location = 40) uniform vec4 depthTerms;   // depth: (x d + y) / (z d + w) at the distance d
+
+#ifdef AOV
+layout(location = 24) uniform mat4 viewToWorld;
+
+layout(location = 0) out vec4 uvAov;       // u and v as shares of the surface's domain, -1 - number of the surface, 1
+layout(location = 1) out vec4 positionAov; // world space; 1
+layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distance along view axis
+#else
+out vec4 fragmentColor;
+#endif
+
+const float STEEPEST = 8.0; // the largest difference in distance from the edge, as a multiple of that on the screen
+
+// The squared distance from the segment, in pixels, and the share of the segment that lies before the nearest point.
+vec2 nearest(vec4 ends, vec2 place)
+{
+    vec2 along = ends.zw - ends.xy;
+    float size = dot(along, along);
+    float share = size > 0.0 ? clamp(dot(place - ends.xy, along) / size, 0.0, 1.0) : 0.0;
+    vec2 off = place - ends.xy - share * along;
+    return vec2(dot(off, off), share);
+}
+
+void main()
+{
+    int first = 8 * segment;
+    vec4 ends = texelFetch(strokes, first);
+    vec4 shape = texelFetch(strokes, first + 1);
+    float reach = shape.z * shape.z;
+#if SAMPLES > 1
+    int kept = 0;
+    for (int i = 0; i < SAMPLES; ++i)
+        if (nearest(ends, interpolateAtSample(place, i)).x <= reach)
+            kept |= 1 << i;
+    if (kept == 0)
+        discard;
+    gl_SampleMask[0] = kept;
+    vec2 at = nearest(ends, place);
+#else
+    vec2 at = nearest(ends, place);
+    if (at.x > reach)
+        discard;
+#endif
+    vec2 along = ends.zw - ends.xy, off = place - ends.xy;
+    int side = along.x * off.y < along.y * off.x ? 2 : 0;
+    vec4 start = texelFetch(strokes, first + 2 + side), end = texelFetch(strokes, first + 3 + side);
+
+    // Along the edge, distances change with the place on the screen as those of a straight line do.
+    bool parallel = rayDirection[0].x == 0.0 && rayDirection[1].y == 0.0;
+    float share = parallel ? at.y : at.y * shape.x / mix(shape.y, shape.x, at.y);
+    float distance = mix(shape.x, shape.y, share);
+    vec2 middle = mix(ends.xy, ends.zw, at.y);
+    vec4 here = vec4(middle / viewport.zw, 1.0, 0.0), there = vec4(place / viewport.zw, 1.0, 0.0);
+    vec3 onEdge = (rayStart * here + distance * (rayDirection * here)).xyz;
+    vec3 from = (rayStart * there).xyz, direction = (rayDirection * there).xyz;
+    // The size of a pixel.
+    float pixel = abs(rayStart[0].x + distance * rayDirection[0].x) / viewport.z;
+
+    vec3 normal = mix(start.xyz, end.xyz, share);
+    float towards = dot(normal, direction);
+    float farther = dot(normal, onEdge - from) - towards * distance;
+    float most = STEEPEST * pixel * sqrt(at.x);
+    // Without a division by what may be 0.
+    farther = abs(farther) >= most * abs(towards) ? sign(farther) * sign(towards) * most : farther / towards;
+    float depth = distance + farther;
+    vec3 position = from + depth * direction;
+
+    float size = dot(normal, normal);
+    normal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, -1.0);
+#ifdef AOV
+    vec4 shares = texelFetch(strokes, first + 6 + side / 2);
+    uvAov = vec4(mix(shares.xy, shares.zw, share), -1.0 - end.w, 1.0);
+    positionAov = vec4((viewToWorld * vec4(position, 1.0)).xyz, 1.0);
+    normalAov = vec4(normalize(mat3(viewToWorld) * normal), depth);
+#else
+    vec3 paint = floor(start.w / vec3(65536.0, 256.0, 1.0));
+    paint = (paint - 256.0 * floor(paint / 256.0)) / 255.0;
+#if defined(PHONG)
+    fragmentColor = vec4(lit(paint, position, -normal), 1.0); // Sv × Su, as in the thesis
+#elif defined(NORMALS)
+    fragmentColor = vec4(0.5 - 0.5 * normal, 1.0);
+#else
+    fragmentColor = vec4(paint, 1.0);
+#endif
+#endif
+    depth += shape.w * shape.z * pixel;
+    gl_FragDepth = clamp((depthTerms.x * depth + depthTerms.y) / (depthTerms.z * depth + depthTerms.w), 0.0, 1.0);
+}

@@ -1,0 +1,257 @@
+//! Joints: edges along which two faces meet, as curves with what each face is like there. The renderer closes the gap
+//! between the two faces along them.
+
+use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_8;
+
+use glam::{DVec2, DVec3, Vec2, Vec3};
+
+use super::projection::nearest_on;
+use super::{BoundedCurve, Curve, DrawnEdge, DrawnFace, Model};
+use crate::bezier::SurfacePoint;
+use crate::error::Result;
+use crate::parallel;
+
+/// An edge where two faces meet, or one face meets itself.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// The number of the edge in the model.
+    pub edge: usize,
+    /// The numbers of the two faces.
+    pub faces: [usize; 2],
+    /// On which side each face lies if one looks along the curve and against its normal: 1 to the left, −1 to the
+    /// right.
+    pub sides: [f64; 2],
+    /// The edge from its start to its end.
+    pub pieces: Vec<JointPiece>,
+    /// The largest distance between the pieces and the border of either face, by samples.
+    pub gap: f64,
+}
+
+/// A part of a joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointPiece {
+    /// The control points of a cubic.
+    pub points: [DVec3; 4],
+    /// What the two faces are like at its start.
+    pub start: [Beside; 2],
+    /// The same at its end.
+    pub end: [Beside; 2],
+}
+
+/// A face at a place of its border.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beside {
+    /// The unit normal ∂u × ∂v; zero if the surface has none here.
+    pub normal: Vec3,
+    /// (u, v) as shares of the drawn surface's domain.
+    pub share: Vec2,
+}
+
+/// The largest distance of a piece from its edge, as a share of the model's diagonal.
+const FITTED: f64 = 1e-7;
+/// The cosine of the largest angle between a normal and what is interpolated in its place: 5°.
+const NORMAL_COS: f32 = 0.996;
+/// How often a part of an edge is halved.
+const MAX_HALVINGS: u32 = 8;
+/// Places on each segment of a border that are compared with the edge, besides the start of the first.
+const PLACES: u32 = 4;
+
+impl Model {
+    /// The joints of the faces that are drawn, in the order of their edges. `faces` are [`Model::drawn_faces`], and
+    /// `diagonal` is [`Model::diagonal`]. An edge of more than two faces has a joint for each but the first.
+    #[must_use]
+    pub fn joints(&self, faces: &[Result<DrawnFace>], diagonal: f64) -> Vec<Joint> {
+        let mut uses: BTreeMap<usize, Vec<(usize, &DrawnEdge)>> = BTreeMap::new();
+        for (number, face) in faces.iter().enumerate() {
+            for edge in face.iter().flat_map(|face| &face.edges) {
+                uses.entry(edge.edge).or_default().push((number, edge));
+            }
+        }
+        let pairs: Vec<_> = uses
+            .iter()
+            .flat_map(|(_, uses)| uses.iter().skip(1).map(move |other| [uses[0], *other]))
+            .collect();
+        let joints = parallel::map(pairs.len(), |number| {
+            let borders = pairs[number].map(|(face, edge)| {
+                let drawn = faces[face].as_ref().ok()?;
+                Border::new(drawn, edge, self.edges[edge.edge].curve.as_ref()?)
+            });
+            let [Some(one), Some(other)] = borders else { return None };
+            let [(one_face, edge), (other_face, _)] = pairs[number];
+            let curve = self.edges[edge.edge].curve.as_ref()?;
+            let (pieces, fitted) = pieces(curve, [&one, &other], FITTED * diagonal);
+            Some(Joint {
+                edge: edge.edge,
+                faces: [one_face, other_face],
+                sides: [one.side, other.side],
+                pieces,
+                gap: one.gap.max(other.gap) + fitted,
+            })
+        });
+        joints.into_iter().flatten().collect()
+    }
+}
+
+/// The border of a face along an edge.
+struct Border<'a> {
+    face: &'a DrawnFace,
+    side: f64,
+    /// Parameters of the edge, in ascending order, and (u, v) there.
+    places: Vec<(f64, DVec2)>,
+    /// The largest distance of the places from the edge.
+    gap: f64,
+}
+
+impl<'a> Border<'a> {
+    fn new(face: &'a DrawnFace, edge: &DrawnEdge, curve: &BoundedCurve) -> Option<Self> {
+        let [first, last] = curve.range;
+        let (mut near, end) = if edge.forward { (first, last) } else { (last, first) };
+        let mut places = Vec::with_capacity(1 + edge.segments.len() * PLACES as usize);
+        let mut gap: f64 = 0.0;
+        let start = edge.segments.first()?.start();
+        gap = gap.max(face.point(start).distance(curve.curve.at(near)[0]));
+        places.push((near, start));
+        for (number, segment) in edge.segments.iter().enumerate() {
+            for i in 1..=PLACES {
+                let uv = segment.point(f64::from(i) / f64::from(PLACES));
+                let point = face.point(uv);
+                let is_last = number + 1 == edge.segments.len() && i == PLACES;
+                // The ends of a closed edge are the same point.
+                let (t, distance) = if is_last {
+                    (end, point.distance(curve.curve.at(end)[0]))
+                } else {
+                    nearest_on(curve, point, near)
+                };
+                near = t;
+                gap = gap.max(distance);
+                places.push((t, uv));
+            }
+        }
+        if !edge.forward {
+            places.reverse();
+        }
+        Some(Self { face, side: if edge.forward { 1.0 } else { -1.0 }, places, gap })
+    }
+
+    /// What the face is like at a parameter of the edge.
+    fn at(&self, t: f64) -> Place {
+        let next = self.places.partition_point(|(place, _)| *place < t);
+        let next = next.clamp(1, self.places.len() - 1);
+        let ((from, at_from), (to, at_to)) = (self.places[next - 1], self.places[next]);
+        let share = ((t - from) / (to - from)).clamp(0.0, 1.0);
+        let uv = if share.is_finite() { at_from.lerp(at_to, share) } else { at_from };
+        let SurfacePoint { du, dv, .. } = self.face.at(uv);
+        let normal = du.normalize_or_zero().cross(dv.normalize_or_zero()).normalize_or_zero();
+        Place { uv, normal: normal.as_vec3() }
+    }
+
+    /// What the face is like at both ends of a part of the edge, from the places there and in its middle.
+    fn beside(&self, [start, middle, end]: [Place; 3]) -> [Beside; 2] {
+        let [low, high] = self.face.surface.domain();
+        let by = self.face.periods_into_domain(middle.uv);
+        [start, end].map(|Place { uv, normal }| {
+            let share = ((uv + by - low) / (high - low)).clamp(DVec2::ZERO, DVec2::ONE);
+            Beside { normal, share: share.as_vec2() }
+        })
+    }
+}
+
+/// A face at a place of its border.
+#[derive(Clone, Copy)]
+struct Place {
+    uv: DVec2,
+    normal: Vec3,
+}
+
+/// An edge with the borders of its two faces.
+struct Fit<'a> {
+    curve: &'a BoundedCurve,
+    borders: [&'a Border<'a>; 2],
+    /// The largest distance of a piece from the edge.
+    tolerance: f64,
+    pieces: Vec<JointPiece>,
+    /// The largest distance found.
+    largest: f64,
+}
+
+/// The pieces of an edge, and their largest distance from it.
+fn pieces(
+    curve: &BoundedCurve,
+    borders: [&Border<'_>; 2],
+    tolerance: f64,
+) -> (Vec<JointPiece>, f64) {
+    let [first, last] = curve.range;
+    let mut breaks = vec![first];
+    match &curve.curve {
+        Curve::Line { .. } => {}
+        Curve::Circle { .. } | Curve::Ellipse { .. } => {
+            let count = ((last - first) / FRAC_PI_8).ceil().clamp(1.0, 1e3) as u32;
+            let at = |i: u32| first + f64::from(i) / f64::from(count) * (last - first);
+            breaks.extend((1..count).map(at));
+        }
+        Curve::Nurbs(curve) => {
+            breaks.extend(curve.knots().iter().filter(|knot| first < **knot && **knot < last));
+            breaks.dedup();
+        }
+    }
+    breaks.push(last);
+    let mut fit = Fit { curve, borders, tolerance, pieces: Vec::new(), largest: 0.0 };
+    let mut from = (first, fit.places(first));
+    for t in &breaks[1..] {
+        let to = (*t, fit.places(*t));
+        fit.add(from, to, 0);
+        from = to;
+    }
+    (fit.pieces, fit.largest)
+}
+
+impl Fit<'_> {
+    fn places(&self, t: f64) -> [Place; 2] {
+        self.borders.map(|border| border.at(t))
+    }
+
+    /// The cubic with the directions of the edge at its ends.
+    fn cubic(&self, from: f64, to: f64) -> [DVec3; 4] {
+        let length = match self.curve.curve {
+            // The cubic nearest to an arc.
+            Curve::Circle { .. } | Curve::Ellipse { .. } => 4.0 / 3.0 * (0.25 * (to - from)).tan(),
+            _ => (to - from) / 3.0,
+        };
+        let ([start, slope], [end, slope_at_end]) =
+            (self.curve.curve.at(from), self.curve.curve.at(to));
+        [start, start + length * slope, end - length * slope_at_end, end]
+    }
+
+    /// Appends the pieces between two parameters.
+    fn add(&mut self, from: (f64, [Place; 2]), to: (f64, [Place; 2]), halvings: u32) {
+        let points = self.cubic(from.0, to.0);
+        let middle = from.0.midpoint(to.0);
+        let between = self.places(middle);
+        let off = [0.25, 0.5, 0.75].map(|share| {
+            let point = point_of(&points, share);
+            nearest_on(self.curve, point, from.0 + share * (to.0 - from.0)).1
+        });
+        let off = off.into_iter().fold(0.0, f64::max);
+        let is_even = |side: usize| {
+            let mean = from.1[side].normal + to.1[side].normal;
+            let normal = between[side].normal;
+            normal == Vec3::ZERO || mean.normalize_or_zero().dot(normal) >= NORMAL_COS
+        };
+        let is_fine = off <= self.tolerance && is_even(0) && is_even(1);
+        if is_fine || halvings >= MAX_HALVINGS {
+            self.largest = self.largest.max(off);
+            let beside = [0, 1].map(|i| self.borders[i].beside([from.1[i], between[i], to.1[i]]));
+            let [start, end] = [0, 1].map(|end| beside.map(|of_face| of_face[end]));
+            self.pieces.push(JointPiece { points, start, end });
+            return;
+        }
+        self.add(from, (middle, between), halvings + 1);
+        self.add((middle, between), to, halvings + 1);
+    }
+}
+
+fn point_of([a, b, c, d]: &[DVec3; 4], t: f64) -> DVec3 {
+    let s = 1.0 - t;
+    s * s * s * *a + 3.0 * s * s * t * *b + 3.0 * s * t * t * *c + t * t * t * *d
+}

@@ -1,0 +1,345 @@
+//! Strokes: the joints of CAD models as line segments of a certain width on the screen. All points of the screen within
+//! half a width of a segment are drawn, as part of one of the two faces.
+//!
+//! Why no sample between two faces stays empty: each face's border, as it is drawn, is nowhere further from the edge
+//! than the error of the face's triangles plus the distance of its border from the edge. Half of a stroke's width is the
+//! larger of the two sums plus the distance of its segments from the edge. Where the borders of both faces pass the same
+//! place of the edge, both lie within the disc around it, and so does the line between them. What lies between the two
+//! borders are all these lines; the stroke contains all these discs.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2, Vec3};
+
+use crate::camera::ViewProjection;
+use crate::model::{Beside, JointPiece};
+
+/// The share of the tolerance that is left to the triangles of surfaces with joints.
+pub(crate) const LEFT_TO_FACES: f64 = 0.875;
+/// The share of the tolerance that a stroke's segments may be off its edge. With the faces' share and twice this one,
+/// the stroke ends within the tolerance.
+const OFF_EDGE: f64 = 0.0625;
+/// Half of the least width in pixels: the driver moves vertices by 1/256 px at most, in each direction.
+const LEAST: f64 = 1.0 / 64.0;
+/// How much farther than a face its part of a stroke is drawn, as a share of half of the width: the face itself is to
+/// be in front.
+const BEHIND: f32 = 0.25;
+/// How often a piece of an edge is halved at most.
+const MAX_HALVINGS: u32 = 40;
+
+/// A segment of a stroke, as `exact/stroke.vert` fetches it.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+pub(crate) struct StrokeSegment {
+    /// Start and end in pixels from the middle of the viewport.
+    ends: [Vec2; 2],
+    /// Distances of the start and the end along the view axis.
+    depths: Vec2,
+    /// Half of the width in pixels.
+    half_width: f32,
+    /// How much farther than the faces' planes it is drawn, as a share of half of the width.
+    behind: f32,
+    /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
+    /// colour, the normal at the end and the number of its surface. The same for the face to the right.
+    faces: [StrokeFace; 2],
+    /// (u, v) of the left face at the start and the end, as shares of the domain, then of the right face.
+    shares: [[Vec2; 2]; 2],
+}
+
+/// A face beside a segment.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+struct StrokeFace {
+    start: Vec3,
+    /// Red, green and blue from 0 to 255, each times a power of 256: exact in `f32`.
+    color: f32,
+    end: Vec3,
+    surface: f32,
+}
+
+/// Texels of a segment.
+pub(crate) const SEGMENT_TEXELS: usize = size_of::<StrokeSegment>() / 16;
+
+/// A face of a joint in its place.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StrokeSide {
+    /// The number of the surface in the scene.
+    pub(crate) surface: u32,
+    pub(crate) color: [u8; 3],
+    /// Whether triangles follow it without error.
+    pub(crate) is_flat: bool,
+    /// 1 if the face lies to the left of the edge's direction, seen against its normal; −1 otherwise.
+    pub(crate) side: f64,
+}
+
+/// A joint in its place.
+pub(crate) struct PlacedJoint<'a> {
+    pub(crate) pieces: &'a [JointPiece],
+    /// From the model to world space.
+    pub(crate) transform: DMat4,
+    pub(crate) sides: [StrokeSide; 2],
+    /// The largest distance of the faces' borders from the pieces in world units, with the error of `f32`.
+    pub(crate) gap: f64,
+}
+
+/// How a camera sees points of view space.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StrokeView {
+    view: DMat4,
+    projection: DMat4,
+    /// Half of the picture's size in pixels.
+    half: DVec2,
+    tolerance: f64,
+    /// The least distance along the view axis that is drawn.
+    near: f64,
+    /// The largest number of pixels that a unit of length takes at distance 1, or for parallel lines of sight at any
+    /// distance.
+    magnification: f64,
+    is_parallel: bool,
+}
+
+impl StrokeView {
+    /// For a tolerance in pixels.
+    pub(crate) fn new(camera: &ViewProjection, size: UVec2, tolerance: f64) -> Self {
+        let projection = camera.projection;
+        let half = 0.5 * size.as_dvec2();
+        let is_parallel = projection.row(3).z == 0.0;
+        // Where z = −w.
+        let (z, w) = (projection.row(2), projection.row(3));
+        let near = (z.w + w.w) / (z.z + w.z);
+        let scale = DVec2::new(projection.x_axis.x, projection.y_axis.y).abs() * half;
+        // Oblique lines of sight magnify displacements along them.
+        let slope = if is_parallel { DVec2::ZERO } else { half / scale };
+        let magnification = scale.max_element() * (1.0 + slope.length_squared()).sqrt();
+        Self { view: camera.view, projection, half, tolerance, near, magnification, is_parallel }
+    }
+
+    /// The place of a point of view space on the screen, in pixels from the middle.
+    fn place(&self, point: DVec3) -> DVec2 {
+        let clip = self.projection * point.extend(1.0);
+        clip.truncate().truncate() / clip.w * self.half
+    }
+
+    /// The largest number of pixels of a unit of length at a distance along the view axis.
+    fn px_per_unit(&self, depth: f64) -> f64 {
+        if self.is_parallel { self.magnification } else { self.magnification / depth }
+    }
+
+    /// The matrices from a place on the screen (x/w, y/w, 1) to the point that is seen there at distance 0 along the
+    /// view axis, and to what is added to it for each unit of distance.
+    pub(crate) fn rays(&self) -> [DMat3; 2] {
+        let [x, y, w] = [0, 1, 3].map(|row| self.projection.row(row));
+        let to_view = DMat2::from_cols(DVec2::new(x.x, y.x), DVec2::new(x.y, y.y)).inverse();
+        // x/w · (w.z z + w.w) = x.x X + x.y Y + x.z z + x.w with z = −distance.
+        let affine = |by: f64, off: DVec2, z: f64| {
+            let columns = [DVec2::X * by, DVec2::Y * by, off].map(|column| to_view * column);
+            DMat3::from_cols(columns[0].extend(0.0), columns[1].extend(0.0), columns[2].extend(z))
+        };
+        [affine(w.w, -DVec2::new(x.w, y.w), 0.0), affine(-w.z, DVec2::new(x.z, y.z), -1.0)]
+    }
+
+    /// Appends the segments of a joint that are in the picture.
+    pub(crate) fn add(&self, joint: &PlacedJoint<'_>, segments: &mut Vec<StrokeSegment>) {
+        let to_view = self.view * joint.transform;
+        let linear = DMat3::from_mat4(to_view);
+        let cofactors = DMat3::from_cols(
+            linear.y_axis.cross(linear.z_axis),
+            linear.z_axis.cross(linear.x_axis),
+            linear.x_axis.cross(linear.y_axis),
+        );
+        let handedness = linear.determinant().signum();
+        let normals = |besides: &[Beside; 2]| {
+            besides.map(|beside| (cofactors * beside.normal.as_dvec3()).normalize_or_zero())
+        };
+        let is_flat = joint.sides.iter().all(|side| side.is_flat);
+        let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
+        for piece in joint.pieces {
+            let points = piece.points.map(|point| to_view.transform_point3(point));
+            let ends = [&piece.start, &piece.end].map(|besides| End {
+                normals: normals(besides),
+                shares: besides.map(|beside| beside.share.as_dvec2()),
+            });
+            let part = Part { points, ends };
+            self.add_part(joint, handedness, faces_error, part, 0, segments);
+        }
+    }
+
+    fn add_part(
+        &self,
+        joint: &PlacedJoint<'_>,
+        handedness: f64,
+        faces_error: f64,
+        part: Part,
+        halvings: u32,
+        segments: &mut Vec<StrokeSegment>,
+    ) {
+        let depths = part.points.map(|point| -point.z);
+        let [nearest, farthest] = [
+            depths.into_iter().fold(f64::INFINITY, f64::min),
+            depths.into_iter().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        if farthest <= self.near {
+            return;
+        }
+        let bend = part.bend();
+        let is_in_front = nearest - bend > self.near;
+        let px = self.px_per_unit(if is_in_front { nearest - bend } else { self.near });
+        let half_width = |error: f64| LEAST + faces_error + error + joint.gap * px;
+        if is_in_front && self.is_outside(&part.points, half_width(OFF_EDGE * self.tolerance)) {
+            return;
+        }
+        let error = bend * px;
+        if error <= OFF_EDGE * self.tolerance || halvings >= MAX_HALVINGS {
+            let clipped = if is_in_front { Some(part) } else { part.beyond(self.near) };
+            segments.extend(
+                clipped.and_then(|part| self.segment(joint, handedness, &part, half_width(error))),
+            );
+            return;
+        }
+        for half in part.halves() {
+            self.add_part(joint, handedness, faces_error, half, halvings + 1, segments);
+        }
+    }
+
+    /// Whether all points lie beyond one side of the picture by more than a width in pixels.
+    fn is_outside(&self, points: &[DVec3; 4], width: f64) -> bool {
+        let limit = 1.0 + width / self.half;
+        let places = points.map(|point| self.place(point) / self.half);
+        (0..2).any(|axis| {
+            places.iter().all(|place| place[axis] > limit[axis])
+                || places.iter().all(|place| place[axis] < -limit[axis])
+        })
+    }
+
+    /// The straight segment of a part.
+    fn segment(
+        &self,
+        joint: &PlacedJoint<'_>,
+        handedness: f64,
+        part: &Part,
+        half_width: f64,
+    ) -> Option<StrokeSegment> {
+        let [start, end] = [part.points[0], part.points[3]];
+        let places = [start, end].map(|point| self.place(point));
+        let along = places[1] - places[0];
+        let left = along.perp().normalize_or_zero();
+        let middle = start.midpoint(end);
+        let direction = part.points[3] - part.points[0];
+        // For each face, how far a step into it goes to the left on the screen, and how much further away.
+        let steps = [0, 1].map(|face| {
+            let normal = part.ends[0].normals[face] + part.ends[1].normals[face];
+            let into =
+                handedness * joint.sides[face].side * normal.cross(direction).normalize_or_zero();
+            let moved = if self.is_parallel {
+                into.truncate()
+            } else {
+                into.truncate() - middle.truncate() * (into.z / middle.z)
+            };
+            let on_screen = DMat2::from_cols(
+                self.projection.x_axis.truncate().truncate(),
+                self.projection.y_axis.truncate().truncate(),
+            ) * moved
+                * self.half;
+            (on_screen.dot(left), -into.z)
+        });
+        let [(a, a_farther), (b, b_farther)] = steps;
+        let ([to_left, to_right], behind) = if a >= 0.0 && b < 0.0 {
+            ([0, 1], BEHIND)
+        } else if a < 0.0 && b >= 0.0 {
+            ([1, 0], BEHIND)
+        } else {
+            // Both lie on the same side: the nearer one hides the other, whose border may reach further.
+            let front = usize::from(a_farther * b.abs() > b_farther * a.abs());
+            ([front; 2], -BEHIND)
+        };
+        let face = |face: usize| {
+            let StrokeSide { color: [red, green, blue], surface, .. } = joint.sides[face];
+            StrokeFace {
+                start: part.ends[0].normals[face].as_vec3(),
+                color: (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue),
+                end: part.ends[1].normals[face].as_vec3(),
+                surface: surface as f32,
+            }
+        };
+        let shares = |face: usize| [0, 1].map(|end| part.ends[end].shares[face].as_vec2());
+        let segment = StrokeSegment {
+            ends: places.map(DVec2::as_vec2),
+            depths: DVec2::new(-start.z, -end.z).as_vec2(),
+            half_width: half_width as f32,
+            behind,
+            faces: [face(to_left), face(to_right)],
+            shares: [shares(to_left), shares(to_right)],
+        };
+        places.iter().all(|place| place.is_finite()).then_some(segment)
+    }
+}
+
+/// An end of a part of an edge.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    /// Of both faces, in view space.
+    normals: [DVec3; 2],
+    /// (u, v) on both faces.
+    shares: [DVec2; 2],
+}
+
+impl End {
+    fn between(self, other: Self, share: f64) -> Self {
+        let both = [0, 1];
+        Self {
+            normals: both.map(|face| {
+                self.normals[face].lerp(other.normals[face], share).normalize_or_zero()
+            }),
+            shares: both.map(|face| self.shares[face].lerp(other.shares[face], share)),
+        }
+    }
+}
+
+/// A part of an edge in view space.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    /// The control points of a cubic.
+    points: [DVec3; 4],
+    ends: [End; 2],
+}
+
+impl Part {
+    /// Upper bound of the distance of the cubic from the line between its ends, at equal parameters.
+    fn bend(&self) -> f64 {
+        let [a, b, c, d] = self.points;
+        let second = |a: DVec3, b: DVec3, c: DVec3| (a - 2.0 * b + c).length_squared();
+        // An eighth of the largest second derivative, which is 6 times the largest second difference.
+        0.75 * second(a, b, c).max(second(b, c, d)).sqrt()
+    }
+
+    fn halves(&self) -> [Self; 2] {
+        let [a, b, c, d] = self.points;
+        let (ab, bc, cd) = (a.midpoint(b), b.midpoint(c), c.midpoint(d));
+        let (abc, bcd) = (ab.midpoint(bc), bc.midpoint(cd));
+        let middle = abc.midpoint(bcd);
+        let [start, end] = self.ends;
+        let between = start.between(end, 0.5);
+        [
+            Self { points: [a, ab, abc, middle], ends: [start, between] },
+            Self { points: [middle, bcd, cd, d], ends: [between, end] },
+        ]
+    }
+
+    /// The straight part beyond a distance along the view axis.
+    fn beyond(&self, near: f64) -> Option<Self> {
+        // Points on the near plane itself have a place on the screen.
+        let [mut start, mut end] = [(self.points[0], self.ends[0]), (self.points[3], self.ends[1])];
+        let [a, b] = [start, end].map(|(point, _)| -point.z - near);
+        if a <= 0.0 && b <= 0.0 {
+            return None;
+        }
+        let share = a / (a - b);
+        let cut = (start.0.lerp(end.0, share), start.1.between(end.1, share));
+        if a < 0.0 {
+            start = cut;
+        } else if b < 0.0 {
+            end = cut;
+        }
+        let thirds = [1.0 / 3.0, 2.0 / 3.0].map(|share| start.0.lerp(end.0, share));
+        Some(Self { points: [start.0, thirds[0], thirds[1], end.0], ends: [start.1, end.1] })
+    }
+}
