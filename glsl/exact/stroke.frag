@@ -75,20 +75,20 @@ void main()
     // Without a division by what may be 0.
     farther = abs(farther) >= most * abs(towards) ? sign(farther) * sign(towards) * most : farther / towards;
     float depth = distance + farther;
-    vec3 position = from + depth * direction;
 
     float size = dot(normal, normal);
     normal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, -1.0);
 #ifdef AOV
     vec4 shares = texelFetch(strokes, first + 6 + side / 2);
     uvAov = vec4(mix(shares.xy, shares.zw, share), -1.0 - end.w, 1.0);
-    positionAov = vec4((viewToWorld * vec4(position, 1.0)).xyz, 1.0);
-    normalAov = vec4(normalize(mat3(viewToWorld) * normal), depth);
+    // The pixel shows the nearest point of the edge.
+    positionAov = vec4((viewToWorld * vec4(onEdge, 1.0)).xyz, 1.0);
+    normalAov = vec4(normalize(mat3(viewToWorld) * normal), distance);
 #else
     vec3 paint = floor(start.w / vec3(65536.0, 256.0, 1.0));
     paint = (paint - 256.0 * floor(paint / 256.0)) / 255.0;
 #if defined(PHONG)
-    fragmentColor = vec4(lit(paint, position, -normal), 1.0); // Sv × Su, as in the thesis
+    fragmentColor = vec4(lit(paint, from + depth * direction, -normal), 1.0); // Sv × Su, as in the thesis
 #elif defined(NORMALS)
     fragmentColor = vec4(0.5 - 0.5 * normal, 1.0);
 #else

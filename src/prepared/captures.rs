@@ -1,6 +1,6 @@
 //! A scene as data instead of colours: AOVs of each pixel, and the triangles that the tessellator generates.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::PreparedScene;
 use crate::aov::Aovs;
@@ -44,9 +44,9 @@ impl PreparedScene {
             return;
         }
         let pixels = aovs.uv.iter_mut().zip(&mut aovs.patch_uv).zip(&mut aovs.face);
-        for ((uv, own), face) in pixels {
+        for (((uv, own), face), position) in pixels.zip(&aovs.position) {
             if uv[3] != 0.0 && uv[2] < 0.0 {
-                self.set_patch(&firsts, uv, own);
+                self.find_patch(&firsts, uv, own, *position);
             }
             let patch = uv[2] as usize;
             if uv[3] == 0.0 || patch >= next {
@@ -63,13 +63,23 @@ impl PreparedScene {
         }
     }
 
-    /// Finds the patch of a pixel of a stroke, which has the number of its surface instead, and shares of its domain.
-    fn set_patch(&self, firsts: &[usize], uv: &mut [f32; 4], own: &mut [f32; 2]) {
+    /// Sets (u, v) and the patch of a pixel that a stroke draws to those of the point of its surface that is nearest to
+    /// the drawn position. The stroke states the number of its surface instead of the patch, and shares of its domain,
+    /// which are roughly right.
+    fn find_patch(
+        &self,
+        firsts: &[usize],
+        uv: &mut [f32; 4],
+        own: &mut [f32; 2],
+        position: [f32; 4],
+    ) {
         let number = (-1.0 - uv[2]) as usize;
         let Some(surface) = self.surfaces.get(number).map(PreparedSurface::surface) else { return };
+        let [x, y, z, _] = position.map(f64::from);
+        let point = surface.transform.inverse().transform_point3(DVec3::new(x, y, z));
         let [low, high] = surface.domain();
         let share = DVec2::new(own[0].into(), own[1].into());
-        let place = low + share * (high - low);
+        let place = surface.nearest(point, low + share * (high - low));
         let patch = surface.patch_at(place);
         let [low, high] = surface.patch_domain(patch);
         uv[2] = (firsts[number] + patch) as f32;

@@ -283,6 +283,38 @@ impl Surface {
         SurfacePoint { du: point.du * size.x, dv: point.dv * size.y, ..point }
     }
 
+    /// The parameters of the point of the surface that is nearest to a point in model space, from parameters nearby.
+    pub(crate) fn nearest(&self, point: DVec3, near: DVec2) -> DVec2 {
+        const STEPS: u32 = 8;
+        let [low, high] = self.domain();
+        let at = |place: DVec2| {
+            let patch = self.patch_at(place);
+            let [low, high] = self.patch_domain(patch);
+            let share = (place - low) / (high - low);
+            let point = self.at(patch, share.x, share.y);
+            SurfacePoint { du: point.du / (high - low).x, dv: point.dv / (high - low).y, ..point }
+        };
+        let (mut place, mut here) = (near, at(near));
+        for _ in 0..STEPS {
+            let SurfacePoint { position, du, dv } = here;
+            let off = point - position;
+            let (a, b, c) = (du.length_squared(), du.dot(dv), dv.length_squared());
+            let (along_u, along_v) = (off.dot(du), off.dot(dv));
+            let step =
+                DVec2::new(c * along_u - b * along_v, a * along_v - b * along_u) / (a * c - b * b);
+            let next = (place + step).clamp(low, high);
+            if !next.is_finite() {
+                break;
+            }
+            let there = at(next);
+            if there.position.distance_squared(point) >= here.position.distance_squared(point) {
+                break;
+            }
+            (place, here) = (next, there);
+        }
+        place
+    }
+
     /// Points of the surface in world space, `side` × `side` of each patch.
     pub(super) fn samples(&self, side: usize) -> impl Iterator<Item = DVec3> + Clone + '_ {
         let at = move |i: usize| i as f64 / (side - 1) as f64;
