@@ -158,6 +158,11 @@ struct MeasureArguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     views: u64,
 
+    /// Measure close-ups instead: --views random points of edges that the faces of a CAD model share, each in the middle
+    /// of a picture that shows 1/N of the framed height, from a random direction.
+    #[arg(long, value_name = "N", value_parser = zoom)]
+    zoom: Option<f64>,
+
     /// Seed of the random views: the same seed gives the same views.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
@@ -343,6 +348,11 @@ fn tolerance(text: &str) -> Result<Tolerance, String> {
         .ok()
         .and_then(|tolerance| Tolerance::new(tolerance).ok())
         .ok_or_else(|| "expected a number of pixels from 0.01 to 100".into())
+}
+
+fn zoom(text: &str) -> Result<f64, String> {
+    let zoom = text.parse().ok().filter(|zoom| (1.0..=1e9).contains(zoom));
+    zoom.ok_or_else(|| "expected a number from 1 to 1e9".into())
 }
 
 fn alpha(text: &str) -> Result<Alpha, String> {

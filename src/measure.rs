@@ -6,7 +6,10 @@
 //! cameras; [`in_turns`] measures the cost of drawing on a noisy machine.
 
 mod interleave;
+mod leaks;
 mod random;
+mod screen;
+mod solids;
 mod views;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
@@ -17,6 +20,7 @@ use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::scene::{Scene, Surface, Tessellation};
 
 pub use interleave::{Timing, in_turns, in_turns_by};
+pub use leaks::{Leak, LeakFinder, LeakKind, LeakingEdge, Leaks, Suspects};
 pub use random::Random;
 pub use views::random_view;
 

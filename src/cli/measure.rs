@@ -1,11 +1,15 @@
 //! `freeform measure`: measures how far pictures of a scene deviate from it, and prints the result as text or
 //! JSON.
 
+mod leaks;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::io::{Error, Result};
-use freeform_surface::inspect::measure::{Measurement, measure, random_view};
+use freeform_surface::inspect::measure::{
+    LeakFinder, Leaks, Measurement, Suspects, measure, random_view,
+};
 use freeform_surface::inspect::reference;
 use freeform_surface::{
     FloatTarget, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Scene, Tessellation,
@@ -16,6 +20,7 @@ use serde::Serialize;
 
 use super::{Format, MeasureArguments};
 use crate::io::{input, say};
+use leaks::{LeakCounts, LeakObject};
 
 /// The number of frames whose median time is reported.
 const FRAMES: usize = 3;
@@ -84,6 +89,8 @@ impl<'a> Bench<'a> {
             ));
         }
         let mut prepared = PreparedScene::new(&self.renderer, &scene)?;
+        let seen = scene.clone();
+        let finder = (!seen.models.is_empty()).then(|| LeakFinder::new(&seen));
         let mut report = Report {
             scene: path.display().to_string(),
             method: scene.settings.method,
@@ -97,17 +104,26 @@ impl<'a> Bench<'a> {
             triangles: 0,
             ms: 0.0,
             unmet_views: 0,
+            leaks: finder.as_ref().map(|of| LeakCounts::new(of.open_edges(), of.has_closed())),
         };
         let (width, height) = self.arguments.resolution;
+        let aspect = f64::from(width) / f64::from(height);
         let views = self.arguments.views.max(1);
         let mut unmet = 0.0_f64;
         let mut met_views = 0;
         for view in 0..views {
-            if self.arguments.views > 0 {
-                let aspect = f64::from(width) / f64::from(height);
-                scene.camera = Some(random_view(&scene, self.arguments.seed, view, aspect));
+            let seed = self.arguments.seed;
+            if let Some(zoom) = self.arguments.zoom {
+                let close = |finder: &LeakFinder<'_>| finder.close_up(seed, view, aspect, zoom);
+                scene.camera = Some(finder.as_ref().and_then(close).ok_or_else(|| {
+                    let reason = "it has no edge that faces share, to look at from close up";
+                    Error::file("measure", path, reason)
+                })?);
+            } else if self.arguments.views > 0 {
+                scene.camera = Some(random_view(&scene, seed, view, aspect));
             }
-            let (measurement, triangles, ms, left) = self.view(&scene, &mut prepared)?;
+            let View { measurement, leaks, triangles, ms, unmet: left } =
+                self.view(&scene, &mut prepared, finder.as_ref())?;
             bar.inc(1);
             if let Some(left) = left {
                 report.unmet_views += 1;
@@ -117,6 +133,9 @@ impl<'a> Bench<'a> {
                 }
             }
             met_views += 1;
+            if let Some((all, leaks)) = report.leaks.as_mut().zip(leaks) {
+                all.add(&leaks);
+            }
             report.measurement = report.measurement.merge(&measurement);
             report.triangles += triangles;
             report.ms += ms;
@@ -142,19 +161,20 @@ impl<'a> Bench<'a> {
         Ok(report)
     }
 
-    /// Measures one view. Returns its errors, its triangles, its milliseconds, and the error that remains if a
-    /// limit keeps the view from meeting the tolerance.
+    /// Measures one view.
     fn view(
         &mut self,
         scene: &Scene,
         prepared: &mut PreparedScene,
-    ) -> Result<(Measurement, u64, f64, Option<f64>)> {
+        finder: Option<&LeakFinder<'_>>,
+    ) -> Result<View> {
         let (width, height) = self.arguments.resolution;
         let frame = Frame::of(scene, (width, height));
         let aovs = prepared.aovs(&mut self.renderer, &self.numbers, &frame)?;
         let size = UVec2::new(width, height);
         let coverage = reference::coverage(scene, &frame.camera, size, scene.settings.method)?;
         let measurement = measure(scene, &frame.camera, &aovs, &coverage);
+        let leaks = finder.map(|finder| finder.find(&frame.camera, &aovs, Suspects::Between));
         self.picture.bind();
         let mut times = [Duration::ZERO; FRAMES];
         for time in &mut times {
@@ -170,8 +190,24 @@ impl<'a> Bench<'a> {
             return Err(Error::Driver { what, reason: complaints.join("; ") });
         }
         let stats = prepared.stats();
-        Ok((measurement, stats.triangles, times[FRAMES / 2].as_secs_f64() * 1e3, stats.unmet))
+        Ok(View {
+            measurement,
+            leaks,
+            triangles: stats.triangles,
+            ms: times[FRAMES / 2].as_secs_f64() * 1e3,
+            unmet: stats.unmet,
+        })
     }
+}
+
+/// What was measured in one view.
+struct View {
+    measurement: Measurement,
+    leaks: Option<Leaks>,
+    triangles: u64,
+    ms: f64,
+    /// The error that remains if a limit keeps the view from meeting the tolerance.
+    unmet: Option<f64>,
 }
 
 /// How finely a scene was tessellated.
@@ -202,6 +238,8 @@ pub(super) struct Report {
     /// The number of views that reached a limit. If there are several views, the other values leave these views
     /// out.
     pub(super) unmet_views: u64,
+    /// The leaks, if the scene has CAD models.
+    leaks: Option<LeakCounts>,
 }
 
 /// The keys of the JSON object, in order.
@@ -222,6 +260,8 @@ struct Object<'a> {
     unmet_views: u64,
     covered_pixels: usize,
     bad_values: usize,
+    #[serde(flatten)]
+    leaks: Option<LeakObject>,
 }
 
 impl Report {
@@ -261,6 +301,9 @@ impl Report {
         if errors.bad_values > 0 {
             line.push_str(&format!(", {} NaN or infinite values", errors.bad_values));
         }
+        if let Some(leaks) = &self.leaks {
+            line.push_str(&format!(", {}", leaks.words()));
+        }
         line
     }
 
@@ -282,6 +325,7 @@ impl Report {
             unmet_views: self.unmet_views,
             covered_pixels: errors.covered,
             bad_values: errors.bad_values,
+            leaks: self.leaks.as_ref().map(LeakCounts::object),
         })
         .expect("strings and numbers")
     }
@@ -311,6 +355,7 @@ mod tests {
             triangles: 1024,
             ms: 2.25,
             unmet_views: 0,
+            leaks: None,
         }
     }
 

@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 use super::random::Random;
 use crate::bezier::bounding_box;
 use crate::camera::{Camera, Lens};
+use crate::error::Result;
 use crate::scene::{Scene, Surface};
 
 /// How many times a point is drawn again because trims cut it.
@@ -68,6 +69,26 @@ pub fn random_view(scene: &Scene, seed: u64, index: u64, aspect: f64) -> Camera 
     let sight = (target - eye).normalize_or(DVec3::Z);
     let up = if sight.cross(up).length() > 1e-3 { up } else { sight.any_orthonormal_vector() };
     Camera::new(eye, target, up, lens).unwrap_or_else(|_| scene.framed(aspect))
+}
+
+/// A camera that looks the same way with a point in the middle of its picture, which shows 1/`zoom` of what the camera
+/// shows: without perspective the camera moves, with perspective it turns.
+///
+/// # Errors
+/// As [`Camera::new`]: a lens out of range.
+pub(super) fn close_up(camera: &Camera, point: DVec3, zoom: f64) -> Result<Camera> {
+    let (eye, up) = (camera.eye(), camera.up());
+    match camera.lens() {
+        Lens::Orthographic { height } => {
+            let sight = (camera.target() - eye).normalize();
+            let off = (point - eye).reject_from_normalized(sight);
+            Camera::new(eye + off, point, up, Lens::Orthographic { height: height / zoom })
+        }
+        Lens::Perspective { fov_y_radians } => {
+            let half = ((0.5 * fov_y_radians).tan() / zoom).atan();
+            Camera::new(eye, point, up, Lens::Perspective { fov_y_radians: 2.0 * half })
+        }
+    }
 }
 
 impl Random {
@@ -155,6 +176,33 @@ mod tests {
             }
         }
         assert!(sides.iter().all(|count| *count > 20), "{sides:?}");
+    }
+
+    #[test]
+    fn close_ups_show_a_share_of_the_height_around_the_point() {
+        let (eye, target, point) = (dvec3(5.0, -4.0, 3.0), dvec3(0.5, 0.0, 0.2), DVec3::ONE);
+        for lens in [Lens::Perspective { fov_y_radians: 0.9 }, Lens::Orthographic { height: 4.0 }] {
+            let camera = Camera::new(eye, target, DVec3::Z, lens).unwrap();
+            let near = close_up(&camera, point, 10_000.0).unwrap();
+            let [before, after] = [&camera, &near].map(|camera| {
+                let seen = camera.projection([DVec3::ZERO, point].into_iter(), 1.5);
+                seen.projection * seen.view
+            });
+            let ndc = after.project_point3(point);
+            assert!(ndc.truncate().length() < 1e-9 && ndc.z.abs() < 1.0, "{ndc}");
+            // A step across the view is 10,000 times as long on the screen.
+            let (_, sight) = sight(&near);
+            let step = 1e-7 * sight.any_orthonormal_vector();
+            let length = |seen: DMat4| {
+                let [a, b] = [point, point + step].map(|point| seen.project_point3(point));
+                ((b - a).truncate() * dvec2(1.5, 1.0)).length()
+            };
+            // The perspective turns, so that the point was seen at another angle before.
+            let ratio = length(after) / length(before);
+            let exact = matches!(lens, Lens::Orthographic { .. });
+            let slack = if exact { 1e-3 } else { 0.2 };
+            assert!((ratio / 1e4 - 1.0).abs() < slack, "{ratio}");
+        }
     }
 
     #[test]
