@@ -187,8 +187,10 @@ impl StrokeView {
         if is_in_front && self.is_outside(&part.points, half_width(OFF_EDGE * self.tolerance)) {
             return;
         }
+        // The width is that of the nearest place; far from it, it may be too much.
         let error = bend * px;
-        if error <= OFF_EDGE * self.tolerance || halvings >= MAX_HALVINGS {
+        let excess = joint.gap * (px - self.px_per_unit(farthest));
+        if error + excess <= OFF_EDGE * self.tolerance || halvings >= MAX_HALVINGS {
             let clipped = if is_in_front { Some(part) } else { part.beyond(self.near) };
             segments.extend(
                 clipped.and_then(|part| self.segment(joint, handedness, &part, half_width(error))),
