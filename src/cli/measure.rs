@@ -125,6 +125,10 @@ impl<'a> Bench<'a> {
             let View { measurement, leaks, triangles, ms, unmet: left } =
                 self.view(&scene, &mut prepared, finder.as_ref())?;
             bar.inc(1);
+            // Leaks count whatever the tolerance is.
+            if let Some((all, leaks)) = report.leaks.as_mut().zip(leaks) {
+                all.add(&leaks);
+            }
             if let Some(left) = left {
                 report.unmet_views += 1;
                 unmet = unmet.max(left);
@@ -133,9 +137,6 @@ impl<'a> Bench<'a> {
                 }
             }
             met_views += 1;
-            if let Some((all, leaks)) = report.leaks.as_mut().zip(leaks) {
-                all.add(&leaks);
-            }
             report.measurement = report.measurement.merge(&measurement);
             report.triangles += triangles;
             report.ms += ms;
@@ -174,7 +175,12 @@ impl<'a> Bench<'a> {
         let size = UVec2::new(width, height);
         let coverage = reference::coverage(scene, &frame.camera, size, scene.settings.method)?;
         let measurement = measure(scene, &frame.camera, &aovs, &coverage);
-        let leaks = finder.map(|finder| finder.find(&frame.camera, &aovs, Suspects::Between));
+        let tolerance = match scene.settings.tessellation {
+            Tessellation::Within(tolerance) => prepared.stats().unmet.unwrap_or(tolerance.pixels()),
+            Tessellation::Level(_) => measurement.max_error_px,
+        };
+        let leaks =
+            finder.map(|finder| finder.find(&frame.camera, &aovs, tolerance, Suspects::Between));
         self.picture.bind();
         let mut times = [Duration::ZERO; FRAMES];
         for time in &mut times {

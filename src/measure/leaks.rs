@@ -14,7 +14,7 @@
 //!
 //! **Gaps of the data.** The borders of two faces meet only as far as the model's data do, so that a ray at a shared
 //! edge may pass between the true faces. Rays that are no further from a shared edge than the gap along it decide
-//! nothing, and the circles around a sample at the edge are larger by the gap: the rays beyond it decide.
+//! nothing, and the circles around a sample at the edge are larger by twice the gap: the rays beyond it decide.
 //!
 //! **Which samples are looked at.** A crack lies between what is drawn on both sides of it, and is no wider than twice
 //! the tolerance and the gap together. Along one of four directions (rows, columns and diagonals), which are at most
@@ -32,7 +32,7 @@ use crate::aov::Aovs;
 use crate::camera::{Camera, ViewProjection};
 use crate::parallel;
 use crate::reference::Rays;
-use crate::scene::{Scene, Tessellation};
+use crate::scene::Scene;
 
 /// The rays on each circle around a sample.
 const AROUND: u32 = 16;
@@ -42,7 +42,7 @@ const DECIDING: usize = 6;
 const ROUNDING_PX: f64 = 1.0 / 16.0;
 /// Rounding of a depth, as a share of it: the picture is drawn in `f32`.
 const ROUNDING: f64 = 1e-6;
-/// Suspects are sought as if no gap of the data were wider than this, in pixels.
+/// In gaps of the data that are wider than this, in pixels, leaks may be missed.
 const WIDEST_GAP_PX: f64 = 16.0;
 /// A point is drawn again so often if it is hidden.
 const TRIES: usize = 16;
@@ -180,19 +180,23 @@ impl<'a> LeakFinder<'a> {
         self.rays.cast(origin, direction).is_none_or(|hit| hit.distance > distance - BEFORE)
     }
 
-    /// The leaks of a picture of the scene, seen through `projection`.
+    /// The leaks of a picture of the scene, seen through `projection`. `tolerance` is how far its points may be off on
+    /// the screen, in pixels.
     #[must_use]
-    pub fn find(&self, projection: &ViewProjection, aovs: &Aovs, which: Suspects) -> Leaks {
+    pub fn find(
+        &self,
+        projection: &ViewProjection,
+        aovs: &Aovs,
+        tolerance: f64,
+        which: Suspects,
+    ) -> Leaks {
         let screen = Screen::new(projection, aovs.size);
-        let tolerance = match self.scene.settings.tessellation {
-            Tessellation::Within(tolerance) => tolerance.pixels(),
-            Tessellation::Level(_) => 1.0,
-        };
         let radius = tolerance + ROUNDING_PX;
-        let segments = self.solids.segments(&screen, radius + WIDEST_GAP_PX);
+        let segments = self.solids.segments(&screen, radius + 3.0 * WIDEST_GAP_PX);
         let gap_px = segments.iter().map(|segment| segment.gap_px).fold(0.0, f64::max);
-        let picture = Picture { finder: self, aovs, screen, segments, radius };
-        let reach = (2.2 * (radius + gap_px.min(WIDEST_GAP_PX))).ceil() as i32 + 2;
+        let widest = gap_px.min(WIDEST_GAP_PX);
+        let picture = Picture { finder: self, aovs, screen, segments, radius, gap_px: widest };
+        let reach = (1.1 * (2.0 * radius + widest)).ceil() as i32 + 2;
         let (width, height) = aovs.size;
         let rows = parallel::map(height as usize, |y| {
             let pixels = (0..width).map(|x| UVec2::new(x, y as u32));
@@ -238,6 +242,8 @@ struct Picture<'a> {
     segments: Vec<Segment>,
     /// Up to which distance on the screen rays decide what a sample may show, in pixels.
     radius: f64,
+    /// The largest gap of the data along a shared edge, at most [`WIDEST_GAP_PX`].
+    gap_px: f64,
 }
 
 impl Picture<'_> {
@@ -290,12 +296,14 @@ impl Picture<'_> {
         };
         let limit =
             shown.map_or(f64::INFINITY, |(point, _)| self.screen.depth(point) - self.margin(point));
-        let gap = |segment: &&Segment| {
-            segment.nearest(center).0 <= self.radius + segment.gap_px.min(WIDEST_GAP_PX) + 1.0
-        };
-        let near: Vec<&Segment> = self.segments.iter().filter(gap).collect();
-        let widest = near.iter().map(|segment| segment.gap_px.min(WIDEST_GAP_PX));
-        let radius = self.radius + widest.fold(0.0, f64::max);
+        let gap = |segment: &Segment| segment.gap_px.min(WIDEST_GAP_PX);
+        let farthest = self.radius + 3.0 * self.gap_px;
+        let near = |segment: &&Segment| segment.nearest(center).0 <= farthest;
+        let near: Vec<&Segment> = self.segments.iter().filter(near).collect();
+        // A sample in a crack is no further from the edge than this. On a circle that is twice as large, there are rays
+        // on both sides that are further away.
+        let beside = near.iter().filter(|of| of.nearest(center).0 <= self.radius + gap(of));
+        let radius = self.radius + 2.0 * beside.map(|segment| gap(segment)).fold(0.0, f64::max);
         let mut deepest = f64::NEG_INFINITY;
         let mut decided = 0;
         for (circle, radius) in [radius, 0.5 * radius].into_iter().enumerate() {

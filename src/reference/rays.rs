@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4, dvec2};
 
-use crate::bezier::{Degree, bounding_box, homogeneous, split_slice};
+use crate::bezier::{Degree, bounding_box, homogeneous};
 use crate::scene::Scene;
 
 /// A patch of a scene in world space.
@@ -149,13 +149,12 @@ struct Net {
 impl Net {
     /// The point (x, y, z) at a place, and its derivatives along u and v, by the quotient rule.
     fn at(&self, place: DVec2) -> [DVec3; 3] {
-        let rows: Vec<[DVec4; 2]> = self
-            .points
-            .chunks_exact(self.degree.columns())
-            .map(|row| curve(row.to_vec(), place.x))
-            .collect();
-        let of = |i: usize| rows.iter().map(|row| row[i]).collect::<Vec<_>>();
-        let ([value, dv], [du, _]) = (curve(of(0), place.y), curve(of(1), place.y));
+        let [mut values, mut slopes] = [[DVec4::ZERO; Degree::MAX + 1]; 2];
+        for (row, points) in self.points.chunks_exact(self.degree.columns()).enumerate() {
+            [values[row], slopes[row]] = curve(points, place.x);
+        }
+        let rows = self.degree.rows();
+        let [[value, dv], [du, _]] = [&values, &slopes].map(|of| curve(&of[..rows], place.y));
         let point = value.truncate() / value.w;
         let derivative = |of: DVec4| (of.truncate() - point * of.w) / value.w;
         [point, derivative(du), derivative(dv)]
@@ -166,9 +165,7 @@ impl Net {
     fn roots(&self, part: [DVec2; 2], depth: u32, search: &mut Search) {
         /// Below this size a part is a place.
         const MAX_DEPTH: u32 = 80;
-        let [low, high] =
-            bounding_box(self.points.iter().map(|point| point.truncate().truncate() / point.w));
-        if low.max_element() > 0.0 || high.min_element() < 0.0 || search.parts_left == 0 {
+        if search.parts_left == 0 || self.is_beside() {
             return;
         }
         search.parts_left -= 1;
@@ -205,7 +202,32 @@ impl Net {
         }
     }
 
-    /// Both halves along u or along v.
+    /// Whether all control points lie on one side of a line through x = y = 0: along an axis, or along one of two sides
+    /// of the net, which may look like a narrow strip.
+    fn is_beside(&self) -> bool {
+        let point = |i: usize| self.points[i].truncate() / self.points[i].w;
+        let (columns, count) = (self.degree.columns(), self.points.len());
+        let sides = [columns - 1, count - columns];
+        let [along_u, along_v] = sides.map(|i| (point(i) - point(0)).truncate());
+        let lines = [DVec2::X, DVec2::Y, along_u, along_v];
+        let mut ranges = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+        let mut farthest: f64 = 0.0;
+        for point in (0..count).map(point) {
+            farthest = farthest.max(point.abs().max_element());
+            for (range, line) in ranges.iter_mut().zip(lines) {
+                let off = line.perp_dot(point.truncate());
+                *range = [range[0].min(off), range[1].max(off)];
+            }
+        }
+        // A ray through a side must not miss both patches beside it by rounding.
+        let rounding = 8.0 * f64::EPSILON * farthest;
+        ranges.iter().zip(lines).any(|([low, high], line)| {
+            let rounding = rounding * line.length();
+            *low > rounding || *high < -rounding
+        })
+    }
+
+    /// Both halves along u or along v, by de Casteljau's algorithm.
     fn halves(&self, along_u: bool) -> [Self; 2] {
         let [mut before, mut after] = [self.clone(), self.clone()];
         let (columns, rows) = (self.degree.columns(), self.degree.rows());
@@ -213,11 +235,12 @@ impl Net {
             if along_u { (rows, columns, columns, 1) } else { (columns, rows, 1, columns) };
         for line in 0..lines {
             let index = |i: usize| line * first + i * step;
-            let points: Vec<DVec4> = (0..count).map(|i| self.points[index(i)]).collect();
-            let [mut low, mut high] = [points.clone(), points];
-            split_slice(&mut low, &mut high, DVec4::midpoint);
-            for i in 0..count {
-                (before.points[index(i)], after.points[index(i)]) = (low[i], high[i]);
+            for left in (1..count).rev() {
+                for i in 0..left {
+                    let pair = [i, i + 1].map(|i| after.points[index(i)]);
+                    after.points[index(i)] = pair[0].midpoint(pair[1]);
+                }
+                before.points[index(count - left)] = after.points[index(0)];
             }
         }
         [before, after]
@@ -260,10 +283,14 @@ impl Net {
 }
 
 /// The point of a Bézier curve and its derivative, by de Casteljau's algorithm.
-fn curve(mut points: Vec<DVec4>, t: f64) -> [DVec4; 2] {
-    let degree = points.len() - 1;
-    while points.len() > 2 {
-        points = points.windows(2).map(|pair| pair[0].lerp(pair[1], t)).collect();
+fn curve(of: &[DVec4], t: f64) -> [DVec4; 2] {
+    let degree = of.len() - 1;
+    let mut points = [DVec4::ZERO; Degree::MAX + 1];
+    points[..=degree].copy_from_slice(of);
+    for left in (2..=degree).rev() {
+        for i in 0..left {
+            points[i] = points[i].lerp(points[i + 1], t);
+        }
     }
     [points[0].lerp(points[1], t), (points[1] - points[0]) * degree as f64]
 }

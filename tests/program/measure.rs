@@ -115,6 +115,24 @@ fn measure_looks_from_random_views() {
 }
 
 #[test]
+fn measure_counts_leaks_of_models_in_close_ups() {
+    let folder = Folder::new();
+    folder.write("a.toml", SCENE);
+    let model = resource("models/bracket.ffm");
+    let of = |flags: &[&str]| objects(&folder, &[&[model.as_str()], flags].concat()).remove(0);
+    let framed = of(&[]);
+    assert!(framed["leaks"].is_u64() && framed["open_edges"] == 0, "{framed}");
+    let close = of(&["--views", "3", "--zoom", "1000"]);
+    assert!(close["leaks"].is_u64() && close["gap_px"] != framed["gap_px"], "{close}");
+    assert_ne!(close["gap_px"], of(&["--views", "3", "--zoom", "1000", "--seed", "2"])["gap_px"]);
+    let said = measured(&folder, &[&model, "--zoom", "10"]);
+    assert!(said.contains(" leaks") && said.contains("gaps of the data up to "), "{said}");
+    assert!(objects(&folder, &["a.toml"])[0].get("leaks").is_none());
+    refused(&folder, &["measure", "a.toml", "--zoom", "10"], 1, &["no edge that faces share"]);
+    refused(&folder, &["measure", "a.toml", "--zoom", "0.5"], 2, &["--zoom", "from 1"]);
+}
+
+#[test]
 fn measure_goes_on_after_a_bad_scene() {
     let folder = Folder::new();
     folder.write("a.toml", SCENE);
