@@ -23,14 +23,16 @@ out vec4 fragmentColor;
 
 const float STEEPEST = 8.0; // the largest difference in distance from the edge, as a multiple of that on the screen
 
-// The squared distance from the segment, in pixels, and the share of the segment that lies before the nearest point.
-vec2 nearest(vec4 ends, vec2 place)
+// The share of the segment that lies before the point nearest to a place, and the squared distance from that point; more
+// than the reach of the stroke where it does not draw.
+vec2 nearest(vec4 ends, vec4 shape, vec2 place)
 {
-    vec2 along = ends.zw - ends.xy;
+    vec2 along = ends.zw - ends.xy, off = place - ends.xy;
     float size = dot(along, along);
-    float share = size > 0.0 ? clamp(dot(place - ends.xy, along) / size, 0.0, 1.0) : 0.0;
-    vec2 off = place - ends.xy - share * along;
-    return vec2(dot(off, off), share);
+    float share = size > 0.0 ? clamp(dot(off, along) / size, 0.0, 1.0) : 0.0;
+    bool isLeft = along.x * off.y >= along.y * off.x;
+    off -= share * along;
+    return vec2(share, isLeft || shape.w >= 0.0 ? dot(off, off) : 1e30);
 }
 
 void main()
@@ -42,26 +44,26 @@ void main()
 #if SAMPLES > 1
     int kept = 0;
     for (int i = 0; i < SAMPLES; ++i)
-        if (nearest(ends, interpolateAtSample(place, i)).x <= reach)
+        if (nearest(ends, shape, interpolateAtSample(place, i)).y <= reach)
             kept |= 1 << i;
     if (kept == 0)
         discard;
     gl_SampleMask[0] = kept;
-    vec2 at = nearest(ends, place);
+    vec2 at = nearest(ends, shape, place);
 #else
-    vec2 at = nearest(ends, place);
-    if (at.x > reach)
+    vec2 at = nearest(ends, shape, place);
+    if (at.y > reach)
         discard;
 #endif
     vec2 along = ends.zw - ends.xy, off = place - ends.xy;
-    int side = along.x * off.y < along.y * off.x ? 2 : 0;
+    int side = along.x * off.y < along.y * off.x && shape.w >= 0.0 ? 2 : 0;
     vec4 start = texelFetch(strokes, first + 2 + side), end = texelFetch(strokes, first + 3 + side);
 
     // Along the edge, distances change with the place on the screen as those of a straight line do.
     bool parallel = rayDirection[0].x == 0.0 && rayDirection[1].y == 0.0;
-    float share = parallel ? at.y : at.y * shape.x / mix(shape.y, shape.x, at.y);
+    float share = parallel ? at.x : at.x * shape.x / mix(shape.y, shape.x, at.x);
     float distance = mix(shape.x, shape.y, share);
-    vec2 middle = mix(ends.xy, ends.zw, at.y);
+    vec2 middle = mix(ends.xy, ends.zw, at.x);
     vec4 here = vec4(middle / viewport.zw, 1.0, 0.0), there = vec4(place / viewport.zw, 1.0, 0.0);
     vec3 onEdge = (rayStart * here + distance * (rayDirection * here)).xyz;
     vec3 from = (rayStart * there).xyz, direction = (rayDirection * there).xyz;
@@ -71,7 +73,7 @@ void main()
     vec3 normal = mix(start.xyz, end.xyz, share);
     float towards = dot(normal, direction);
     float farther = dot(normal, onEdge - from) - towards * distance;
-    float most = STEEPEST * pixel * sqrt(at.x);
+    float most = STEEPEST * pixel * min(sqrt(at.y), shape.z);
     // Without a division by what may be 0.
     farther = abs(farther) >= most * abs(towards) ? sign(farther) * sign(towards) * most : farther / towards;
     float depth = distance + farther;

@@ -23,6 +23,8 @@ const LEAST: f64 = 1.0 / 64.0;
 /// How much farther than a face its part of a stroke is drawn, as a share of half of the width: the face itself is to
 /// be in front.
 const BEHIND: f32 = 0.25;
+/// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
+const CLEARLY: f64 = 0.1;
 /// How often a piece of an edge is halved at most.
 const MAX_HALVINGS: u32 = 40;
 
@@ -36,7 +38,8 @@ pub(crate) struct StrokeSegment {
     depths: Vec2,
     /// Half of the width in pixels.
     half_width: f32,
-    /// How much farther than the faces' planes it is drawn, as a share of half of the width.
+    /// How much farther than the faces' planes it is drawn, as a share of half of the width. Below 0: both faces are on
+    /// the left, and only that side is drawn.
     behind: f32,
     /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
     /// colour, the normal at the end and the number of its surface. The same for the face to the right.
@@ -221,9 +224,7 @@ impl StrokeView {
         half_width: f64,
     ) -> Option<StrokeSegment> {
         let [start, end] = [part.points[0], part.points[3]];
-        let places = [start, end].map(|point| self.place(point));
-        let along = places[1] - places[0];
-        let left = along.perp().normalize_or_zero();
+        let left = (self.place(end) - self.place(start)).perp().normalize_or_zero();
         let middle = start.midpoint(end);
         let direction = part.points[3] - part.points[0];
         // For each face, how far a step into it goes to the left on the screen, and how much further away.
@@ -244,28 +245,33 @@ impl StrokeView {
             (on_screen.dot(left), -into.z)
         });
         let [(a, a_farther), (b, b_farther)] = steps;
-        let ([to_left, to_right], behind) = if a >= 0.0 && b < 0.0 {
-            ([0, 1], BEHIND)
-        } else if a < 0.0 && b >= 0.0 {
-            ([1, 0], BEHIND)
+        let is_fold = a.min(b).abs().min(a.max(b).abs()) > CLEARLY * self.magnification;
+        let mut ends = [(start, part.ends[0]), (end, part.ends[1])];
+        let ([to_left, to_right], behind) = if (a < 0.0) != (b < 0.0) {
+            (if a < 0.0 { [1, 0] } else { [0, 1] }, BEHIND)
         } else {
-            // Both lie on the same side: the nearer one hides the other, whose border may reach further.
+            // Both lie on the same side: the nearer one hides the other. Its border may have receded before that of the
+            // other one, so the stroke lies in front. On the other side of the edge there is nothing to draw.
             let front = usize::from(a_farther * b.abs() > b_farther * a.abs());
-            ([front; 2], -BEHIND)
+            if is_fold && a < 0.0 {
+                ends.reverse();
+            }
+            ([front; 2], if is_fold { -BEHIND } else { BEHIND })
         };
         let face = |face: usize| {
             let StrokeSide { color: [red, green, blue], surface, .. } = joint.sides[face];
             StrokeFace {
-                start: part.ends[0].normals[face].as_vec3(),
+                start: ends[0].1.normals[face].as_vec3(),
                 color: (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue),
-                end: part.ends[1].normals[face].as_vec3(),
+                end: ends[1].1.normals[face].as_vec3(),
                 surface: surface as f32,
             }
         };
-        let shares = |face: usize| [0, 1].map(|end| part.ends[end].shares[face].as_vec2());
+        let shares = |face: usize| ends.map(|(_, end)| end.shares[face].as_vec2());
+        let places = ends.map(|(point, _)| self.place(point));
         let segment = StrokeSegment {
             ends: places.map(DVec2::as_vec2),
-            depths: DVec2::new(-start.z, -end.z).as_vec2(),
+            depths: DVec2::new(-ends[0].0.z, -ends[1].0.z).as_vec2(),
             half_width: half_width as f32,
             behind,
             faces: [face(to_left), face(to_right)],
