@@ -4,6 +4,7 @@ mod check;
 mod convert;
 mod exr;
 mod info;
+mod inspect;
 mod measure;
 mod model_info;
 mod render;
@@ -49,6 +50,14 @@ enum Command {
     Measure(MeasureArguments),
     /// Write a CAD model (STEP, IGES, BREP) as a model of the project's own format, which needs no CAD program.
     Convert(ConvertArguments),
+    /// Measure how the faces of a CAD model meet along their edges: gaps, angles and jumps of curvature.
+    ///
+    /// The first line has the number of edges of each class: G2 (the same curvature), G1 (the same tangent planes), G0
+    /// (they touch), non-manifold (more than two faces), open (one face), gap. The second line has the limits. Then
+    /// follow the edges, the worst of each class first, with the largest gap between the two faces and distance off the
+    /// edge's curve, the largest angle between outward normals, the largest difference of the curvatures across the
+    /// edge (1/unit, and in percent of the larger one), and where the value that decides is largest.
+    Inspect(InspectArguments),
     /// Smooth a triangle mesh: every step cuts each triangle into nine.
     Smooth(SmoothArguments),
     /// Measure speed against error of both methods on this machine, and write a page about it.
@@ -256,6 +265,33 @@ struct ConvertArguments {
 }
 
 #[derive(Debug, Args)]
+struct InspectArguments {
+    /// The model: .step, .iges, .brep or .ffm.
+    #[arg(value_name = "MODEL")]
+    file: PathBuf,
+
+    #[command(flatten)]
+    load: LoadArguments,
+
+    /// A table for people, or all edges as one JSON object.
+    #[arg(long, value_name = "FORMAT", default_value = "table")]
+    format: InspectFormat,
+
+    /// List all edges in the table, not only the 20 worst ones.
+    #[arg(long)]
+    all: bool,
+}
+
+/// The formats of `freeform inspect`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum InspectFormat {
+    /// A table.
+    Table,
+    /// A JSON object.
+    Json,
+}
+
+#[derive(Debug, Args)]
 struct SmoothArguments {
     /// The mesh, a Wavefront OBJ file.
     #[arg(value_name = "IN.obj")]
@@ -408,6 +444,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
         }
         Some(Command::Measure(arguments)) => measure::all(arguments),
         Some(Command::Convert(arguments)) => convert::run(arguments).map_err(|error| vec![error]),
+        Some(Command::Inspect(arguments)) => inspect::run(arguments).map_err(|error| vec![error]),
         Some(Command::Smooth(arguments)) => smooth::run(arguments).map_err(|error| vec![error]),
         Some(Command::Report(arguments)) => report::run(arguments).map_err(|error| vec![error]),
         Some(Command::View(arguments)) => view::run(arguments).map_err(|error| vec![error]),

@@ -6,7 +6,9 @@ mod boundary;
 mod chain;
 mod chart;
 mod check;
+mod continuity;
 mod curve;
+mod derivatives;
 mod deviation;
 mod drawn;
 mod evaluate;
@@ -23,6 +25,9 @@ mod write;
 use glam::{DAffine3, DVec2, DVec3};
 
 use crate::bezier::NurbsSurface;
+pub use continuity::{
+    Continuity, EdgeContinuity, EdgeUse, GAP, RELATIVE_JUMP, SMOOTH_DEGREES, Worst,
+};
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
 pub use deviation::Deviation;
 pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};

@@ -58,14 +58,11 @@ pub(super) fn print(path: &Path, options: &LoadOptions) -> Result<()> {
 
 /// Prints how many edges there are, and how many faces use them.
 fn edges(model: &Model, line: &impl Fn(&str, String) -> Result<()>) -> Result<()> {
-    let mut uses = vec![0_usize; model.edges.len()];
-    for coedge in model.faces.iter().flat_map(|face| face.loops.iter().flatten()) {
-        uses[coedge.edge] += 1;
-    }
+    let uses = model.edge_uses();
     let with_length =
         || std::iter::zip(&model.edges, &uses).filter(|(edge, _)| edge.curve.is_some());
-    let used = |times: usize| with_length().filter(|(_, uses)| **uses == times).count();
-    let more = with_length().filter(|(_, uses)| **uses > 2).count();
+    let used = |times: usize| with_length().filter(|(_, uses)| uses.len() == times).count();
+    let more = with_length().filter(|(_, uses)| uses.len() > 2).count();
     let points = model.edges.iter().filter(|edge| edge.curve.is_none()).count();
     line(
         "edges",

@@ -151,19 +151,13 @@ impl Model {
     }
 
     fn draw(&self, face: &Face, diagonal: f64) -> Result<DrawnFace> {
-        let coedges = || face.loops.iter().flatten();
-        for coedge in coedges() {
+        for coedge in face.loops.iter().flatten() {
             if coedge.edge >= self.edges.len() {
                 let expected = format!("below {}", self.edges.len());
                 return Err(Error::invalid("number of an edge", coedge.edge, expected));
             }
         }
-        // The two sides of a seam may be as far apart as its tolerance.
-        let mut uses: Vec<usize> = coedges().map(|coedge| coedge.edge).collect();
-        uses.sort_unstable();
-        let seams = uses.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
-        let closed = seams.map(|edge| self.edges[edge].tolerance).fold(PCURVE * diagonal, f64::max);
-        let sheet = Sheet::new(&face.surface, FITTED * diagonal, closed);
+        let sheet = self.sheet_of(face, diagonal);
         let distances = Distances {
             pcurve: PCURVE * diagonal,
             surface: SURFACE * diagonal,
@@ -183,6 +177,17 @@ impl Model {
             }
         }
         Err(first_error.unwrap_or_else(|| Error::invalid("face", "not drawn", "closed loops")))
+    }
+
+    /// The surface of a face. The edges of its loops must exist.
+    pub(super) fn sheet_of<'a>(&self, face: &'a Face, diagonal: f64) -> Sheet<'a> {
+        // The two sides of a seam may be as far apart as its tolerance.
+        let coedges = face.loops.iter().flatten();
+        let mut uses: Vec<usize> = coedges.map(|coedge| coedge.edge).collect();
+        uses.sort_unstable();
+        let seams = uses.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+        let closed = seams.map(|edge| self.edges[edge].tolerance).fold(PCURVE * diagonal, f64::max);
+        Sheet::new(&face.surface, FITTED * diagonal, closed)
     }
 
     /// The loops of a face in the parameters of its surface.

@@ -6,17 +6,21 @@ use super::{Curve, FaceSurface, Frame, NurbsCurve};
 use crate::bezier::{Degree, NurbsSurface, SurfacePoint, span_of};
 
 /// The B-spline basis functions that are not 0 at a parameter, and their derivatives.
-struct Basis {
+pub(super) struct Basis {
     /// The number of the first of them.
-    first: usize,
-    values: [f64; Degree::MAX + 1],
-    slopes: [f64; Degree::MAX + 1],
+    pub(super) first: usize,
+    pub(super) values: [f64; Degree::MAX + 1],
+    pub(super) slopes: [f64; Degree::MAX + 1],
 }
 
 impl Basis {
-    /// By the recursion of Cox and de Boor. Parameters outside the domain continue the first or the last span.
+    /// Parameters outside the domain continue the first or the last span.
     fn new(degree: usize, knots: &[f64], t: f64) -> Self {
-        let span = span_of(degree, knots, t);
+        Self::in_span(degree, knots, span_of(degree, knots, t), t)
+    }
+
+    /// By the recursion of Cox and de Boor, in the span that begins at a knot.
+    pub(super) fn in_span(degree: usize, knots: &[f64], span: usize, t: f64) -> Self {
         let first = span - degree;
         let mut values = [0.0; Degree::MAX + 1];
         values[0] = 1.0;
@@ -32,15 +36,26 @@ impl Basis {
             }
             values[round] = carried;
         }
-        let mut slopes = [0.0; Degree::MAX + 1];
-        for (r, slope) in slopes.iter_mut().enumerate().take(degree + 1) {
-            let share = |j: usize, i: usize| lower[j] / (knots[i + degree] - knots[i]);
-            let before = if r > 0 { share(r - 1, first + r) } else { 0.0 };
-            let after = if r < degree { share(r, first + r + 1) } else { 0.0 };
-            *slope = degree as f64 * (before - after);
-        }
+        let slopes = derivatives(degree, knots, first, &lower);
         Self { first, values, slopes }
     }
+}
+
+/// The derivatives of the basis functions of a degree from those of the next lower degree, or from their values.
+pub(super) fn derivatives(
+    degree: usize,
+    knots: &[f64],
+    first: usize,
+    lower: &[f64; Degree::MAX + 1],
+) -> [f64; Degree::MAX + 1] {
+    let mut derivatives = [0.0; Degree::MAX + 1];
+    for (r, derivative) in derivatives.iter_mut().enumerate().take(degree + 1) {
+        let share = |j: usize, i: usize| lower[j] / (knots[i + degree] - knots[i]);
+        let before = if r > 0 { share(r - 1, first + r) } else { 0.0 };
+        let after = if r < degree { share(r, first + r + 1) } else { 0.0 };
+        *derivative = degree as f64 * (before - after);
+    }
+    derivatives
 }
 
 impl Frame {
@@ -140,11 +155,7 @@ impl FaceSurface {
             }
             Self::Revolution { origin, axis, curve } => {
                 let [point, slope] = curve.curve.at(v);
-                let (sin, cos) = u.sin_cos();
-                let turn = |off: DVec3| {
-                    let along = off.dot(*axis) * *axis;
-                    along + cos * (off - along) + sin * axis.cross(off)
-                };
+                let turn = turn_about(*axis, u);
                 let off = turn(point - *origin);
                 SurfacePoint { position: *origin + off, du: axis.cross(off), dv: turn(slope) }
             }
@@ -154,6 +165,15 @@ impl FaceSurface {
             }
             Self::Nurbs(surface) => nurbs_at(surface, u, v),
         }
+    }
+}
+
+/// Turns vectors about an axis by an angle.
+pub(super) fn turn_about(axis: DVec3, angle: f64) -> impl Fn(DVec3) -> DVec3 {
+    let (sin, cos) = angle.sin_cos();
+    move |off| {
+        let along = off.dot(axis) * axis;
+        along + cos * (off - along) + sin * axis.cross(off)
     }
 }
 

@@ -154,10 +154,7 @@ impl<'a> Trace<'a> {
 
     /// A place between the samples, from those beside it.
     fn between(&self, t: f64) -> DVec2 {
-        let after = self.samples.partition_point(|(other, _)| *other <= t);
-        let after = after.clamp(1, self.samples.len() - 1);
-        let [(from, a), (to, b)] = [self.samples[after - 1], self.samples[after]];
-        a.lerp(b, ((t - from) / (to - from)).clamp(0.0, 1.0))
+        between(&self.samples, t)
     }
 
     /// The edge at t.
@@ -232,7 +229,15 @@ impl<'a> Trace<'a> {
     }
 }
 
-/// Inner knots where a B-spline curve has at most so many continuous derivatives.
+/// (u, v) at a place between samples, from those beside it.
+pub(super) fn between(samples: &[(f64, DVec2)], t: f64) -> DVec2 {
+    let after = samples.partition_point(|(other, _)| *other <= t);
+    let after = after.clamp(1, samples.len() - 1);
+    let [(from, a), (to, b)] = [samples[after - 1], samples[after]];
+    a.lerp(b, ((t - from) / (to - from)).clamp(0.0, 1.0))
+}
+
+/// Knots of the domain where a B-spline curve has at most so many continuous derivatives.
 pub(super) fn breaks(knots: &[f64], degree: usize, derivatives: usize) -> Vec<f64> {
     let inside = &knots[degree..knots.len() - degree];
     let runs = inside.chunk_by(|a, b| a == b);

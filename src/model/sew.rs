@@ -117,10 +117,7 @@ impl Model {
     }
 
     fn open_edges(&self, tolerance: f64) -> Vec<OpenEdge> {
-        let mut uses = vec![0_u32; self.edges.len()];
-        for coedge in self.faces.iter().flat_map(|face| face.loops.iter().flatten()) {
-            uses[coedge.edge] += 1;
-        }
+        let uses = self.edge_uses();
         let mut open = Vec::new();
         for (product, of) in self.products.iter().enumerate() {
             let [first, count] = of.faces;
@@ -133,7 +130,7 @@ impl Model {
                 let ends = curve.range.map(|t| curve.curve.at(t)[0]);
                 let middle = curve.curve.at(0.5 * (curve.range[0] + curve.range[1]))[0];
                 let is_long = ends.iter().any(|end| end.distance(middle) > tolerance);
-                if uses[coedge.edge] == 1 && is_long {
+                if uses[coedge.edge].len() == 1 && is_long {
                     open.push(OpenEdge { edge: coedge.edge, face, product, ends });
                 }
             }

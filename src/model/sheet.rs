@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3, dvec2};
 
+use super::derivatives::CurvedPoint;
 use super::{BoundedCurve, Curve, FaceSurface};
 use crate::bezier::{NurbsSurface, SurfacePoint, bounding_box};
 
@@ -87,6 +88,12 @@ impl<'a> Sheet<'a> {
         }
     }
 
+    /// The same sheet for searches that start near their points: they are never repeated from other places.
+    pub(super) fn for_near_points(self) -> Self {
+        self.accept(f64::INFINITY);
+        self
+    }
+
     /// The points where the surface is one point for all u or for all v.
     pub(super) fn poles(&self) -> &[DVec3] {
         self.poles.get_or_init(|| match self.surface {
@@ -120,6 +127,20 @@ impl<'a> Sheet<'a> {
     pub(super) fn at(&self, uv: DVec2) -> SurfacePoint {
         let uv = self.wrapped(uv);
         self.surface.at(uv.x, uv.y)
+    }
+
+    /// Point and derivatives of the part of the surface that begins at (u, v) and lies in a direction from there. At a
+    /// knot and where the surface closes, they depend on the side.
+    pub(super) fn beside(&self, uv: DVec2, direction: DVec2) -> CurvedPoint {
+        /// How far beside, as a share of the domain.
+        const STEP: f64 = 1e-7;
+        let size = DVec2::from([0, 1].map(|axis| {
+            let between = self.limits[1][axis] - self.limits[0][axis];
+            self.periods[axis].unwrap_or(if between.is_finite() { between } else { 1.0 })
+        }));
+        let place = uv + STEP * size * (direction / size).normalize_or_zero();
+        let side = self.wrapped(place);
+        self.surface.curved(uv + (side - place), side)
     }
 
     /// The parameters within the limits that stand for the same point.
