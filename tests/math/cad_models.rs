@@ -15,7 +15,7 @@ const MAX_AREA_ERROR: f64 = 1e-4;
 const MAX_FACE_ERROR: f64 = 1e-3;
 
 /// The files in the folder of CAD data, and the reader of CAD files. `None` where one is missing.
-fn files() -> Option<(PathBuf, Vec<PathBuf>)> {
+pub(crate) fn files() -> Option<(PathBuf, Vec<PathBuf>)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let reader = root.join("cad/build/freeform-occt");
     let folders = [root.join("shared/data/cad"), root.join("../shared/data/cad")];

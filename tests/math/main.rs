@@ -7,6 +7,7 @@ mod trim_text;
 
 mod cad_import;
 mod cad_models;
+mod continuity;
 mod convergence;
 mod mesh_borders;
 mod mesh_convergence;

@@ -19,7 +19,7 @@ mod bracket;
 #[path = "../../examples/make_models/flange.rs"]
 mod flange;
 #[path = "../../examples/make_models/solid.rs"]
-mod solid;
+pub(crate) mod solid;
 
 const NAMES: [&str; 4] = ["assembly", "blade", "bracket", "flange"];
 

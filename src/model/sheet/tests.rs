@@ -126,3 +126,52 @@ fn poles_are_found() {
     assert_eq!(count(&FaceSurface::Nurbs(wavy())), 0);
     assert_eq!(count(&FaceSurface::Cylinder { frame, radius: 2.0 }), 0);
 }
+
+#[test]
+fn second_derivatives_are_the_changes_of_the_first() {
+    const STEP: f64 = 1e-5;
+    for (number, (surface, [low_u, high_u, low_v, high_v])) in surfaces().into_iter().enumerate() {
+        for i in 0..25 {
+            // Away from knots, at which they jump.
+            let share = |i: u32| 0.013 + 0.97 * f64::from(i) / 4.0;
+            let uv = dvec2(
+                low_u + share(i % 5) * (high_u - low_u),
+                low_v + share(i / 5) * (high_v - low_v),
+            );
+            let found = surface.curved(uv, uv);
+            assert_eq!(found.at.position.distance(surface.at(uv.x, uv.y).position), 0.0);
+            let change = |axis: DVec2| {
+                let [before, after] = [-STEP, STEP].map(|step| {
+                    let place = uv + step * axis;
+                    surface.at(place.x, place.y)
+                });
+                [after.du - before.du, after.dv - before.dv].map(|change| change / (2.0 * STEP))
+            };
+            let ([duu, duv], [other, dvv]) = (change(DVec2::X), change(DVec2::Y));
+            let all = [(found.duu, duu), (found.duv, duv), (found.duv, other), (found.dvv, dvv)];
+            for (found, expected) in all {
+                let off = found.distance(expected);
+                assert!(off < 1e-5 * (1.0 + expected.length()), "{number}: {found} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn points_beside_a_knot_or_a_seam_are_of_that_side() {
+    // The curve has a corner at 1, and ends where it begins.
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 0.0]];
+    let points = corners.map(|[x, y]| DVec4::new(x, y, 0.0, 1.0)).to_vec();
+    let knots = vec![0.0, 0.0, 1.0, 2.0, 3.0, 3.0];
+    let curve = Curve::Nurbs(NurbsCurve::new(1, knots, points).unwrap());
+    let curve = BoundedCurve { curve, range: [0.0, 3.0] };
+    let surface = FaceSurface::Extrusion { direction: DVec3::Z, curve };
+    let sheet = Sheet::new(&surface, 1e-7, 1e-6);
+    let along = |u: f64, side: f64| sheet.beside(dvec2(u, 0.5), dvec2(side, 0.3)).at.du;
+    for seam in [0.0, 3.0] {
+        assert!(along(seam, 1.0).distance(DVec3::new(2.0, 0.0, 0.0)) < 1e-12);
+        assert!(along(seam, -1.0).distance(DVec3::new(-2.0, -1.0, 0.0)) < 1e-12);
+    }
+    assert!(along(1.0, 1.0).distance(DVec3::Y) < 1e-12);
+    assert!(along(1.0, -1.0).distance(DVec3::new(2.0, 0.0, 0.0)) < 1e-12);
+}
