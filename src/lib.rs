@@ -24,6 +24,7 @@
 //! |---|---|
 //! | read a scene file | [`Scene::load`] (`.toml`, `.bpt`, `.obj`), [`Scene::from_toml`] |
 //! | read, make, check and write a CAD model | [`model::Model`] |
+//! | measure how the faces of a CAD model meet | [`model::Model::continuity`] |
 //! | make a scene in code | [`Surface::new`] or [`MeshModel::new`], put into a [`Scene`] |
 //! | cut holes | [`Surface::trims`]: [`Circle`], [`Rect`], [`Ellipse`], [`TrimLoop`], [`TrimCurve`] (NURBS), [`TrimPath`] (SVG) |
 //! | draw in an OpenGL context of your own | [`Gl::new`], [`Renderer::new`], then [`PreparedScene::draw`] with a [`Frame`] |

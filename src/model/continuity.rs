@@ -166,10 +166,11 @@ impl Model {
                 .collect()
         };
         let at = |t: f64| {
+            let here = curve.curve.at(t);
             let places: Vec<Place> = std::iter::zip(borders, &is_turned)
-                .map(|(border, turned)| border.at(curve.curve.at(t), t, *turned))
+                .map(|(border, turned)| border.at(here, t, *turned))
                 .collect();
-            measures(curve.curve.at(t)[0], &places, diagonal)
+            measures(here[0], &places, diagonal)
         };
         let search = Search::new(sample_places(curve, borders), at);
         let worst = |measure: Measure, noise: f64| {
@@ -180,7 +181,8 @@ impl Model {
         let off_edge = worst(Measure::OffEdge, 1e-12 * diagonal);
         let angle = worst(Measure::Angle, 1e-9);
         let is_smooth = angle.is_some_and(|angle| angle.value <= SMOOTH_DEGREES);
-        let jump = |measure: Measure, noise: f64| worst(measure, noise).filter(|_| is_smooth);
+        let jump =
+            |measure: Measure, noise: f64| is_smooth.then(|| worst(measure, noise)).flatten();
         let curvature = jump(Measure::Jump, 1e-6 / diagonal);
         let relative_jump = jump(Measure::RelativeJump, 1e-6);
         let class = match borders.len() {

@@ -126,8 +126,7 @@ fn cylinders_and_cones() {
     let (axis, ring) = (upright(dvec3(3.0, -2.0, 1.0)), Ring { is_outer: true, has_seam: true });
     let mut builder = Builder::new("pin");
     let circles = [(2.0, 0.0), (2.0, 3.0), (1.0, 4.0)];
-    let [low, middle, high] =
-        circles.map(|(radius, height)| builder.circle(&axis, radius, height));
+    let [low, middle, high] = circles.map(|(radius, height)| builder.circle(&axis, radius, height));
     builder.disc(-DVec3::Z, low, &[]);
     builder.ring(&axis, [low, middle], &ring);
     builder.ring(&axis, [middle, high], &ring);
@@ -333,9 +332,10 @@ fn gaps_are_distances_between_borders() {
     let [left, right] = cut(&creased(3, 0.0), 1.0);
     // Flat, and the second surface is moved: up in the middle of its border, or away.
     let moved = |of: &NurbsSurface, by: &dyn Fn(usize) -> DVec3| {
-        let points = of.control_points().iter().enumerate().map(|(i, point)| {
-            (dvec3(point.x, point.y, 0.0) + by(i / of.columns())).extend(1.0)
-        });
+        let points =
+            of.control_points().iter().enumerate().map(|(i, point)| {
+                (dvec3(point.x, point.y, 0.0) + by(i / of.columns())).extend(1.0)
+            });
         NurbsSurface::new(of.degree(), of.knots().clone(), points.collect()).unwrap()
     };
     let left = moved(&left, &|_| DVec3::ZERO);

@@ -74,3 +74,60 @@ fn convert_writes_the_model_whole_or_nothing() {
         assert!(!folder.path("out.step").exists());
     }
 }
+
+#[test]
+fn inspect_says_how_faces_meet() {
+    let folder = Folder::new();
+    let bracket = resource("models/bracket.ffm");
+    let output = folder.run(&["inspect", &bracket]);
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let mut lines = said.lines();
+    let first = lines.next().unwrap();
+    let expected = "36 edges: G2 2, G1 11, G0 23, non-manifold 0, open 0, gap 0; largest gap ";
+    assert!(first.starts_with(expected) && first.contains("largest angle 90.0° at edge"), "{said}");
+    assert!(lines.next().unwrap().contains("G1: angle at most 1°"), "{said}");
+    assert_eq!(said.lines().count(), 2 + 2 + 20 + 1, "{said}");
+    assert_eq!(said.lines().last(), Some("16 more edges; --all lists them"));
+    let all = folder.run(&["inspect", &bracket, "--all"]);
+    let all = text(&all.stdout);
+    assert_eq!(all.lines().count(), 2 + 2 + 36, "{all}");
+    // A quarter of a cylinder of radius 4 between two planes.
+    let fillets = all.lines().filter(|line| line.contains(" G1 ") && line.contains(" 0.250 "));
+    assert!(fillets.count() > 0, "{all}");
+
+    let output = folder.run(&["inspect", &bracket, "--format", "json"]);
+    let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&object["model"], &object["unit_metres"]), (&"bracket".into(), &0.001.into()));
+    assert_eq!((&object["classes"]["G1"], &object["classes"]["gap"]), (&11.into(), &0.into()));
+    assert_eq!(object["limits"]["angle_degrees"], 1.0);
+    let edges = object["edges"].as_array().unwrap();
+    assert_eq!(edges.len(), 36);
+    for edge in edges {
+        let is_smooth = edge["class"] != "G0";
+        assert_eq!(edge["faces"].as_array().unwrap().len(), 2, "{edge}");
+        assert_eq!(edge["angle_degrees"]["point"].as_array().unwrap().len(), 3, "{edge}");
+        assert!(edge["gap"]["value"].as_f64().unwrap() < 1e-9, "{edge}");
+        assert!(edge["off_edge"]["value"].as_f64().unwrap() < 1e-9, "{edge}");
+        assert_eq!(edge["curvature_jump"].is_null(), !is_smooth, "{edge}");
+        assert_eq!(edge["relative_curvature_jump"].is_null(), !is_smooth, "{edge}");
+    }
+}
+
+#[test]
+fn inspect_refuses_what_is_no_model_in_one_line() {
+    let folder = Folder::new();
+    folder.write("cut.ffm", &SHEETS[..SHEETS.len() / 2]);
+    for (arguments, status, words) in [
+        (&["inspect", "cut.ffm"][..], 1, "cut.ffm:"),
+        (&["inspect", "none.step"], 1, "none.step"),
+        (&["inspect"], 2, "MODEL"),
+        (&["inspect", "cut.ffm", "--format", "xml"], 2, "xml"),
+    ] {
+        let output = folder.run(arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{said}");
+        assert!(said.contains(words) && said.lines().count() == 1, "{said}");
+        assert!(output.stdout.is_empty());
+    }
+}

@@ -50,8 +50,8 @@ impl<F: Fn(f64) -> Measures> Search<F> {
 
 /// The place and the value of a maximum within a range, by the golden section.
 fn golden_section(of: impl Fn(f64) -> f64, [mut low, mut high]: [f64; 2]) -> (f64, f64) {
-    /// The range becomes 2·10⁻⁵ of its length.
-    const ROUNDS: usize = 22;
+    /// The range becomes 5·10⁻⁴ of its length, and the values near a smooth maximum are off by the square of that.
+    const ROUNDS: usize = 16;
     const SHARE: f64 = 0.618_033_988_749_894_9;
     let within = |low: f64, high: f64| low + SHARE * (high - low);
     let with = |t: f64| (t, of(t));
@@ -79,7 +79,7 @@ mod tests {
         let at = |t: f64| [1.0 - (t - 0.3217).powi(2), t, -t, f64::NEG_INFINITY, 5.0];
         let search = Search::new((0..=8).map(|i| f64::from(i) / 8.0).collect(), at);
         let (t, value) = search.worst(Measure::Gap, 0.0).unwrap();
-        assert!((t - 0.3217).abs() < 1e-5 && (value - 1.0).abs() < 1e-10, "{t} {value}");
+        assert!((t - 0.3217).abs() < 1e-4 && (value - 1.0).abs() < 1e-8, "{t} {value}");
         assert_eq!(search.worst(Measure::OffEdge, 0.0), Some((1.0, 1.0)));
         assert_eq!(search.worst(Measure::Angle, 0.0), Some((0.0, 0.0)));
         assert_eq!(search.worst(Measure::Jump, 0.0), None);
