@@ -262,6 +262,30 @@ fn common(model: &Model) -> EdgeContinuity {
     edges.into_iter().next().unwrap()
 }
 
+/// z = 0.3 x² + 0.5 x y for x in a range, with x = u and y = v + skew (u − 1).
+fn skewed([low, high]: [f64; 2], skew: f64) -> NurbsSurface {
+    let mut points = Vec::new();
+    for j in 0..3 {
+        let v = 0.5 * f64::from(j);
+        for i in 0..4 {
+            let [a, b, c] = [2, 1, 0].map(|n| if i > n { high } else { low });
+            let (mean, pairs) = ((a + b + c) / 3.0, (a * b + a * c + b * c) / 3.0);
+            let z = (0.3 + 0.5 * skew) * pairs + 0.5 * mean * (v - skew);
+            points.push(DVec4::new(mean, v + skew * (mean - 1.0), z, 1.0));
+        }
+    }
+    let knots = [[[low; 4], [high; 4]].concat(), vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0]];
+    NurbsSurface::new(Degree::new(3, 2).unwrap(), knots, points).unwrap()
+}
+
+#[test]
+fn curvature_does_not_depend_on_the_parameters() {
+    let edge = common(&pair(&[skewed([0.0, 1.0], -0.4), skewed([1.0, 2.0], 0.7)]));
+    let (gap, angle, jump) = values(&edge);
+    assert!(gap < 1e-12 && angle < 1e-6 && edge.class == Continuity::G2, "{edge:?}");
+    assert!(jump.unwrap() < 1e-9, "{edge:?}");
+}
+
 /// The largest value for y from 0 to 1.
 fn largest(of: impl Fn(f64) -> f64) -> f64 {
     (0..=100_000).map(|i| of(f64::from(i) * 1e-5)).fold(0.0, f64::max)

@@ -161,7 +161,7 @@ fn second_derivatives_are_the_changes_of_the_first() {
 fn points_beside_a_knot_or_a_seam_are_of_that_side() {
     // The curve has a corner at 1, and ends where it begins.
     let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 0.0]];
-    let points = corners.map(|[x, y]| DVec4::new(x, y, 0.0, 1.0)).to_vec();
+    let points = corners.map(|[x, y]| DVec3::new(x, y, 0.0).extend(1.0)).to_vec();
     let knots = vec![0.0, 0.0, 1.0, 2.0, 3.0, 3.0];
     let curve = Curve::Nurbs(NurbsCurve::new(1, knots, points).unwrap());
     let curve = BoundedCurve { curve, range: [0.0, 3.0] };
