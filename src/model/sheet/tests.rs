@@ -130,7 +130,14 @@ fn poles_are_found() {
 #[test]
 fn second_derivatives_are_the_changes_of_the_first() {
     const STEP: f64 = 1e-5;
-    for (number, (surface, [low_u, high_u, low_v, high_v])) in surfaces().into_iter().enumerate() {
+    // With weights that change along both parameters.
+    let mut rational = wavy();
+    for (i, point) in rational.points_mut().iter_mut().enumerate() {
+        point.w = 1.0 + 0.3 * (i as f64).sin();
+    }
+    let rational = (FaceSurface::Nurbs(rational), [0.0, 3.0, 2.0, 4.0]);
+    let all = surfaces().into_iter().chain([rational]);
+    for (number, (surface, [low_u, high_u, low_v, high_v])) in all.enumerate() {
         for i in 0..25 {
             // Away from knots, at which they jump.
             let share = |i: u32| 0.013 + 0.97 * f64::from(i) / 4.0;
