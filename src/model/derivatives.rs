@@ -109,7 +109,8 @@ impl FaceSurface {
     }
 }
 
-/// The second derivatives of a circle of the second radius, at the distance of the first from the axis, turned about it.
+/// The second derivatives of a circle of the second radius, at the distance of the first from the axis, turned about
+/// it.
 fn tube([x, y]: [DVec3; 2], z: DVec3, [major, minor]: [f64; 2], v: f64) -> [DVec3; 3] {
     let (sin, cos) = v.sin_cos();
     [-(major + minor * cos) * x, -minor * sin * y, -minor * (cos * x + sin * z)]
