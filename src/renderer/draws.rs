@@ -10,7 +10,7 @@ use super::{Frame, Renderer};
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::scene::Tessellation;
-use crate::tessellation::{Tessellated, patches_of_next_draw};
+use crate::tessellation::{DrawSize, Tessellated, patches_of_next_draw};
 
 /// The inputs of a plan that come from the frame. While they stay the same, the plan stays valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,9 +64,17 @@ pub(super) fn divide<T: Tessellated>(
     }
 }
 
+/// The number of triangles that the software driver begins to fill beside the next draw.
+const WORTH_A_FLUSH: u64 = 16_000;
+/// A draw has at most so many instances,
+const INSTANCES: usize = 20;
+/// or those of so small a part of its batch.
+const PARTS: usize = 16;
+
 /// Divides the patches of a batch into few draws of several instances, so that an instance has the size that suits the
 /// driver: at most `max_vertices`, if it is the only one, otherwise from half to twice as many. Drivers tessellate the
-/// instances of a draw one after the other, as if they were draws.
+/// instances of a draw one after the other, as if they were draws. A large batch has several draws, so that pixels of
+/// one can be filled while the next one is tessellated ([`Renderer::make_draws`]).
 pub(super) fn divide_into_instances<T: Tessellated>(
     patches: &[T],
     first: usize,
@@ -82,7 +90,9 @@ pub(super) fn divide_into_instances<T: Tessellated>(
             let vertices: u32 = group.iter().map(T::vertices).sum();
             (max_vertices / 2..=2 * max_vertices).contains(&vertices)
         };
-        let others = rest[count..].chunks_exact(count).take_while(is_alike).count();
+        let most = INSTANCES.max(patches.len() / count / PARTS);
+        let others = rest[count..].chunks_exact(count).take(most - 1);
+        let others = others.take_while(is_alike).count();
         let instances = 1 + others;
         let triangles = rest[..count * instances].iter().map(T::triangles).sum();
         draws.push(Draw { batch, first: first + begin, count, instances, triangles });
@@ -104,6 +114,9 @@ impl Renderer {
         mut bind: impl FnMut(&Draw, bool),
         mut captured: Option<&mut Vec<DrawnVertex>>,
     ) -> Result<()> {
+        // Mesa's software driver fills no pixel before it is told to. It then does so beside the next draw.
+        let overlaps = self.draw_size() == DrawSize::Small && captured.is_none();
+        let mut waiting = 0;
         let mut bound = None;
         for draw in draws {
             bind(draw, bound.replace(draw.batch) != Some(draw.batch));
@@ -127,6 +140,12 @@ impl Renderer {
                         instances as i32,
                     ),
                 }
+            }
+            waiting += draw.triangles;
+            if overlaps && waiting >= WORTH_A_FLUSH {
+                // SAFETY: the context is current (see the renderer).
+                unsafe { self.gl().flush() };
+                waiting = 0;
             }
             if let (Some(feedback), Some(captured)) = (feedback, captured.as_deref_mut()) {
                 feedback.end(captured);
