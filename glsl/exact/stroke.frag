@@ -21,7 +21,10 @@ layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distan
 out vec4 fragmentColor;
 #endif
 
-const float STEEPEST = 8.0; // the largest difference in distance from the edge, as a multiple of that on the screen
+// The largest difference in distance from the edge, as a multiple of that on the screen, for what is farther than the
+// edge and for what is nearer. What is nearer is covered by the face itself, except along folds.
+const float FARTHER = 8.0;
+const float NEARER = 2.0;
 
 // The share of the segment that lies before the point nearest to a place, and the squared distance from that point; more
 // than the reach of the stroke where it does not draw.
@@ -73,9 +76,10 @@ void main()
     vec3 normal = mix(start.xyz, end.xyz, share);
     float towards = dot(normal, direction);
     float farther = dot(normal, onEdge - from) - towards * distance;
-    float most = STEEPEST * pixel * min(sqrt(at.y), shape.z);
+    float most = pixel * min(sqrt(at.y), shape.z);
     // Without a division by what may be 0.
-    farther = abs(farther) >= most * abs(towards) ? sign(farther) * sign(towards) * most : farther / towards;
+    farther = abs(farther) >= FARTHER * most * abs(towards) ? sign(farther) * sign(towards) * FARTHER * most : farther / towards;
+    farther = max(farther, shape.w < 0.0 ? -NEARER * most : 0.0);
     float depth = distance + farther;
 
     float size = dot(normal, normal);

@@ -23,6 +23,9 @@ const LEAST: f64 = 1.0 / 64.0;
 /// How much farther than a face its part of a stroke is drawn, as a share of half of the width: the face itself is to
 /// be in front.
 const BEHIND: f32 = 0.25;
+/// The same where both faces come nearer on the sides of the edge: it may be the far side of a solid, and the strokes of
+/// edges on the near side are to be in front.
+const FAR_BEHIND: f32 = 1.0;
 /// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
 const CLEARLY: f64 = 0.1;
 /// How often a piece of an edge is halved at most.
@@ -248,7 +251,9 @@ impl StrokeView {
         let is_fold = a.min(b).abs().min(a.max(b).abs()) > CLEARLY * self.magnification;
         let mut ends = [(start, part.ends[0]), (end, part.ends[1])];
         let ([to_left, to_right], behind) = if (a < 0.0) != (b < 0.0) {
-            (if a < 0.0 { [1, 0] } else { [0, 1] }, BEHIND)
+            // If both faces come nearer, the edge lies in a valley or on the far side of a solid.
+            let is_deep = a_farther < 0.0 && b_farther < 0.0;
+            (if a < 0.0 { [1, 0] } else { [0, 1] }, if is_deep { FAR_BEHIND } else { BEHIND })
         } else {
             // Both lie on the same side: the nearer one hides the other. Its border may have receded before that of the
             // other one, so the stroke lies in front. On the other side of the edge there is nothing to draw.
