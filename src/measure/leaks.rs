@@ -304,17 +304,18 @@ impl Picture<'_> {
         // on both sides that are further away.
         let beside = near.iter().filter(|of| of.nearest(center).0 <= self.radius + gap(of));
         let radius = self.radius + 2.0 * beside.map(|segment| gap(segment)).fold(0.0, f64::max);
+        let is_in_gap =
+            |place| near.iter().any(|segment| segment.nearest(place).0 <= segment.gap_px);
         let mut deepest = f64::NEG_INFINITY;
         let mut decided = 0;
         for (circle, radius) in [radius, 0.5 * radius].into_iter().enumerate() {
             for i in 0..AROUND {
                 let turn = f64::from(i) * (std::f64::consts::TAU / f64::from(AROUND));
                 let place = center + radius * DVec2::from_angle(turn);
-                if near.iter().any(|segment| segment.nearest(place).0 <= segment.gap_px) {
-                    continue;
+                if !is_in_gap(place) {
+                    deepest = deepest.max(self.first(place, limit)?);
+                    decided += usize::from(circle == 0);
                 }
-                deepest = deepest.max(self.first(place, limit)?);
-                decided += usize::from(circle == 0);
             }
         }
         if decided < DECIDING {
@@ -323,7 +324,7 @@ impl Picture<'_> {
         let mut kind = LeakKind::Background;
         if let Some((point, surface)) = shown {
             let (place, _) = self.screen.place(point)?;
-            if place.distance(center) <= radius {
+            if place.distance(center) <= radius && !is_in_gap(place) {
                 let _ = self.first(place, limit)?;
             }
             let [_, sight] = self.screen.ray(center);
