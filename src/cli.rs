@@ -167,8 +167,8 @@ struct MeasureArguments {
     #[arg(long, value_name = "N", default_value_t = 0)]
     views: u64,
 
-    /// Measure close-ups instead: --views random points of edges that the faces of a CAD model share, each in the middle
-    /// of a picture that shows 1/N of the framed height, from a random direction.
+    /// Measure close-ups instead: --views random points of edges that the faces of a CAD model share, each in the
+    /// middle of a picture that shows 1/N of the framed height, from a random direction.
     #[arg(long, value_name = "N", value_parser = zoom)]
     zoom: Option<f64>,
 

@@ -2,8 +2,9 @@
 //!
 //! A picture's [`Aovs`] state for each pixel which point of which patch it shows. [`measure()`] evaluates that
 //! point. It reports how far the point lies from the pixel's centre on the screen and how far the normal is
-//! off. It also compares which pixels are drawn with the scene's [`Coverage`]. [`random_view`] makes random
-//! cameras; [`in_turns`] measures the cost of drawing on a noisy machine.
+//! off. It also compares which pixels are drawn with the scene's [`Coverage`]. [`LeakFinder`] finds the samples
+//! that see through a closed model between two of its faces. [`random_view`] makes random cameras;
+//! [`in_turns`] measures the cost of drawing on a noisy machine.
 
 mod interleave;
 mod leaks;

@@ -3,8 +3,8 @@
 //! Each face is drawn within the tolerance, so two faces that share an edge may leave a crack between them in which a
 //! sample shows the background, or what the model hides, such as its inside.
 //!
-//! **What a leak is.** The eye sees the first point of the true surfaces along its ray, in front of which no surface is
-//! crossed. What a sample shows is right if it is the first point of any ray within the tolerance on the screen, because
+//! **What a leak is.** The eye sees the first point of the true surfaces along its ray: it crosses no surface before.
+//! What a sample shows is right if it is the first point of any ray within the tolerance on the screen, because
 //! points may move by the tolerance. A sample is a leak if it is right for none of these rays: each of them meets the
 //! model, and the sample shows nothing, or a point that lies deeper than the first points of all of them. (A back side
 //! that shows through a crack has crossed the surface an odd number of times and is deeper than the first crossing.)
