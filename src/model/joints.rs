@@ -75,7 +75,8 @@ impl Model {
         let joints = parallel::map(pairs.len(), |number| {
             let borders = pairs[number].map(|(face, edge)| {
                 let drawn = faces[face].as_ref().ok()?;
-                Border::new(drawn, edge, self.edges[edge.edge].curve.as_ref()?)
+                let curve = self.edges[edge.edge].curve.as_ref()?;
+                Border::new(drawn, edge, curve, FITTED * diagonal)
             });
             let [Some(one), Some(other)] = borders else { return None };
             let [(one_face, edge), (other_face, _)] = pairs[number];
@@ -104,7 +105,13 @@ struct Border<'a> {
 }
 
 impl<'a> Border<'a> {
-    fn new(face: &'a DrawnFace, edge: &DrawnEdge, curve: &BoundedCurve) -> Option<Self> {
+    /// Places whose distance is above the tolerance are looked for along the whole edge.
+    fn new(
+        face: &'a DrawnFace,
+        edge: &DrawnEdge,
+        curve: &BoundedCurve,
+        tolerance: f64,
+    ) -> Option<Self> {
         let [first, last] = curve.range;
         let (mut near, end) = if edge.forward { (first, last) } else { (last, first) };
         let mut places = Vec::with_capacity(1 + edge.segments.len() * PLACES as usize);
@@ -121,7 +128,7 @@ impl<'a> Border<'a> {
                 let (t, distance) = if is_last {
                     (end, point.distance(curve.curve.at(end)[0]))
                 } else {
-                    nearest_on(curve, point, near)
+                    nearest_ahead(curve, point, [near, end], tolerance)
                 };
                 near = t;
                 gap = gap.max(distance);
@@ -155,6 +162,26 @@ impl<'a> Border<'a> {
             Beside { normal, share: share.as_vec2() }
         })
     }
+}
+
+/// The parameter of the point of an edge nearest to a point, between the parameter of the point before and that of the
+/// end, and the distance.
+fn nearest_ahead(
+    curve: &BoundedCurve,
+    point: DVec3,
+    [near, end]: [f64; 2],
+    tolerance: f64,
+) -> (f64, f64) {
+    const SAMPLES: u32 = 64;
+    let from_last = nearest_on(curve, point, near);
+    if from_last.1 <= tolerance {
+        return from_last;
+    }
+    let at = |i: u32| near + f64::from(i) / f64::from(SAMPLES) * (end - near);
+    let off = |t: &f64| curve.curve.at(*t)[0].distance_squared(point);
+    let nearest = (0..=SAMPLES).map(at).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let other = nearest_on(curve, point, nearest.unwrap_or(near));
+    if other.1 < from_last.1 { other } else { from_last }
 }
 
 /// A face at a place of its border.
