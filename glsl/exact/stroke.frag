@@ -21,10 +21,8 @@ layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distan
 out vec4 fragmentColor;
 #endif
 
-// The largest difference in distance from the edge, as a multiple of that on the screen, for what is farther than the
-// edge and for what is nearer. What is nearer is covered by the face itself, except along folds.
-const float FARTHER = 8.0;
-const float NEARER = 2.0;
+// The largest difference in distance from the edge, as a multiple of that on the screen.
+const float STEEPEST = 8.0;
 
 // The share of the segment that lies before the point nearest to a place, and the squared distance from that point; more
 // than the reach of the stroke where it does not draw.
@@ -35,7 +33,7 @@ vec2 nearest(vec4 ends, vec4 shape, vec2 place)
     float share = size > 0.0 ? clamp(dot(off, along) / size, 0.0, 1.0) : 0.0;
     bool isLeft = along.x * off.y >= along.y * off.x;
     off -= share * along;
-    return vec2(share, isLeft || shape.w >= 0.0 ? dot(off, off) : 1e30);
+    return vec2(share, isLeft || shape.z > 0.0 ? dot(off, off) : 1e30);
 }
 
 void main()
@@ -59,7 +57,7 @@ void main()
         discard;
 #endif
     vec2 along = ends.zw - ends.xy, off = place - ends.xy;
-    int side = along.x * off.y < along.y * off.x && shape.w >= 0.0 ? 2 : 0;
+    int side = along.x * off.y < along.y * off.x && shape.z > 0.0 ? 2 : 0;
     vec4 start = texelFetch(strokes, first + 2 + side), end = texelFetch(strokes, first + 3 + side);
 
     // Along the edge, distances change with the place on the screen as those of a straight line do.
@@ -76,10 +74,12 @@ void main()
     vec3 normal = mix(start.xyz, end.xyz, share);
     float towards = dot(normal, direction);
     float farther = dot(normal, onEdge - from) - towards * distance;
-    float most = pixel * min(sqrt(at.y), shape.z);
+    float halfWidth = abs(shape.z);
+    float most = STEEPEST * pixel * min(sqrt(at.y), halfWidth);
     // Without a division by what may be 0.
-    farther = abs(farther) >= FARTHER * most * abs(towards) ? sign(farther) * sign(towards) * FARTHER * most : farther / towards;
-    farther = max(farther, shape.w < 0.0 ? -NEARER * most : 0.0);
+    farther = abs(farther) >= most * abs(towards) ? sign(farther) * sign(towards) * most : farther / towards;
+    // Where the face comes nearer, it covers the stroke itself.
+    farther = max(farther, 0.0);
     float depth = distance + farther;
 
     float size = dot(normal, normal);
@@ -101,6 +101,6 @@ void main()
     fragmentColor = vec4(paint, 1.0);
 #endif
 #endif
-    depth += shape.w * shape.z * pixel;
+    depth += shape.w * halfWidth * pixel;
     gl_FragDepth = clamp((depthTerms.x * depth + depthTerms.y) / (depthTerms.z * depth + depthTerms.w), 0.0, 1.0);
 }

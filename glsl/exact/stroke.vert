@@ -22,7 +22,7 @@ void main()
     }
     int corner = int(0xda4u >> uint(2 * (gl_VertexID % 6)) & 3u);
     vec4 ends = texelFetch(strokes, 8 * segment);
-    float halfWidth = texelFetch(strokes, 8 * segment + 1).z;
+    float halfWidth = abs(texelFetch(strokes, 8 * segment + 1).z);
     vec2 line = ends.zw - ends.xy;
     float size = length(line);
     vec2 along = size > 0.0 ? line / size : vec2(1.0, 0.0);

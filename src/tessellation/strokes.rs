@@ -39,10 +39,9 @@ pub(crate) struct StrokeSegment {
     ends: [Vec2; 2],
     /// Distances of the start and the end along the view axis.
     depths: Vec2,
-    /// Half of the width in pixels.
+    /// Half of the width in pixels; negative if only the left side is drawn.
     half_width: f32,
-    /// How much farther than the faces' planes it is drawn, as a share of half of the width. Below 0: both faces are on
-    /// the left, and only that side is drawn.
+    /// How much farther than the faces' planes it is drawn, as a share of half of the width.
     behind: f32,
     /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
     /// colour, the normal at the end and the number of its surface. The same for the face to the right.
@@ -248,21 +247,29 @@ impl StrokeView {
             (on_screen.dot(left), -into.z)
         });
         let [(a, a_farther), (b, b_farther)] = steps;
-        let is_fold = a.min(b).abs().min(a.max(b).abs()) > CLEARLY * self.magnification;
+        let is_clear = a.abs().min(b.abs()) > CLEARLY * self.magnification;
+        let is_fold = (a < 0.0) == (b < 0.0);
         let mut ends = [(start, part.ends[0]), (end, part.ends[1])];
-        let ([to_left, to_right], behind) = if (a < 0.0) != (b < 0.0) {
-            // If both faces come nearer, the edge lies in a valley or on the far side of a solid.
-            let is_deep = a_farther < 0.0 && b_farther < 0.0;
-            (if a < 0.0 { [1, 0] } else { [0, 1] }, if is_deep { FAR_BEHIND } else { BEHIND })
-        } else {
-            // Both lie on the same side: the nearer one hides the other. Its border may have receded before that of the
-            // other one, so the stroke lies in front. On the other side of the edge there is nothing to draw.
-            let front = usize::from(a_farther * b.abs() > b_farther * a.abs());
-            if is_fold && a < 0.0 {
+        let ([to_left, to_right], behind) = if is_fold {
+            // The nearer face hides the other one. Its border may have receded before that of the other one, so the
+            // stroke lies in front. On the other side of the edge there is nothing to draw.
+            if is_clear && a < 0.0 {
                 ends.reverse();
             }
-            ([front; 2], if is_fold { -BEHIND } else { BEHIND })
+            ([usize::from(a_farther * b.abs() > b_farther * a.abs()); 2], -BEHIND)
+        } else {
+            // If both faces come nearer, the edge lies in a valley or on the far side of a solid.
+            let is_deep = a_farther < 0.0 && b_farther < 0.0;
+            let behind = if is_deep {
+                FAR_BEHIND
+            } else if is_clear {
+                BEHIND
+            } else {
+                -BEHIND
+            };
+            (if a < 0.0 { [1, 0] } else { [0, 1] }, behind)
         };
+        let half_width = if is_fold && is_clear { -half_width } else { half_width };
         let face = |face: usize| {
             let StrokeSide { color: [red, green, blue], surface, .. } = joint.sides[face];
             StrokeFace {
