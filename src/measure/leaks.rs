@@ -9,7 +9,7 @@
 //! model, and the sample shows nothing, or a point that lies deeper than the first points of all of them. (A back side
 //! that shows through a crack has crossed the surface an odd number of times and is deeper than the first crossing.)
 //! A sample whose rays meet the model only in part lies at a silhouette, which may move, or at an open edge, and is not
-//! judged. The rays are those on circles of the tolerance and of half of it, and the one through the very point that
+//! judged. Nor is one whose face is seen within the tolerance and goes on behind what hides it: that silhouette may move. The rays are those on circles of the tolerance and of half of it, and the one through the very point that
 //! the sample shows.
 //!
 //! **Gaps of the data.** The borders of two faces meet only as far as the model's data do, so that a ray at a shared
@@ -44,6 +44,9 @@ const ROUNDING_PX: f64 = 1.0 / 16.0;
 const ROUNDING: f64 = 1e-6;
 /// In gaps of the data that are wider than this, in pixels, leaks may be missed.
 const WIDEST_GAP_PX: f64 = 16.0;
+/// How far a face goes on behind a silhouette that moved by the tolerance, as a multiple of the tolerance: the steepest
+/// face that is followed.
+const STEEPEST: f64 = 8.0;
 /// A point is drawn again so often if it is hidden.
 const TRIES: usize = 16;
 
@@ -294,6 +297,13 @@ impl Picture<'_> {
         } else {
             None
         };
+        let [_, sight] = self.screen.ray(center);
+        let kind = shown.map_or(LeakKind::Background, |(_, surface)| {
+            let is_inside = self.finder.is_inside(self.aovs, number, surface, sight);
+            if is_inside { LeakKind::BackSide } else { LeakKind::Hidden }
+        });
+        // Only a face seen from outside may go on behind a silhouette.
+        let seen = shown.filter(|_| kind == LeakKind::Hidden);
         let limit =
             shown.map_or(f64::INFINITY, |(point, _)| self.screen.depth(point) - self.margin(point));
         let gap = |segment: &Segment| segment.gap_px.min(WIDEST_GAP_PX);
@@ -313,7 +323,7 @@ impl Picture<'_> {
                 let turn = f64::from(i) * (std::f64::consts::TAU / f64::from(AROUND));
                 let place = center + radius * DVec2::from_angle(turn);
                 if !is_in_gap(place) {
-                    deepest = deepest.max(self.first(place, limit)?);
+                    deepest = deepest.max(self.first(place, limit, seen)?);
                     decided += usize::from(circle == 0);
                 }
             }
@@ -321,26 +331,29 @@ impl Picture<'_> {
         if decided < DECIDING {
             return None;
         }
-        let mut kind = LeakKind::Background;
-        if let Some((point, surface)) = shown {
+        if let Some((point, _)) = shown {
             let (place, _) = self.screen.place(point)?;
             if place.distance(center) <= radius && !is_in_gap(place) {
-                let _ = self.first(place, limit)?;
+                let _ = self.first(place, limit, seen)?;
             }
-            let [_, sight] = self.screen.ray(center);
-            let is_inside = self.finder.is_inside(self.aovs, number, surface, sight);
-            kind = if is_inside { LeakKind::BackSide } else { LeakKind::Hidden };
         }
         let depth = shown.map_or(f64::INFINITY, |(point, _)| self.screen.depth(point));
         Some(Leak { pixel, kind, depth, edge: self.edge(center, deepest) })
     }
 
-    /// The depth of the first point at a place, if it belongs to a closed product and lies before a limit.
-    fn first(&self, place: DVec2, limit: f64) -> Option<f64> {
+    /// The depth of the first point at a place, if it belongs to a closed product and lies before a limit. `None` also
+    /// if the face that the sample shows is seen there, and goes on from there to what it shows.
+    fn first(&self, place: DVec2, limit: f64, seen: Option<(DVec3, usize)>) -> Option<f64> {
         let [origin, direction] = self.screen.ray(place);
         let hit = self.finder.rays.cast(origin, direction)?;
-        let depth = self.screen.depth(origin + hit.distance * direction);
-        (self.finder.solids.is_closed[hit.surface] && depth < limit).then_some(depth)
+        let point = origin + hit.distance * direction;
+        let depth = self.screen.depth(point);
+        let goes_on = seen.is_some_and(|(shown, surface)| {
+            let reach = STEEPEST * self.radius * self.screen.pixel_at(shown);
+            surface == hit.surface && shown.distance(point) <= reach
+        });
+        let is_before = self.finder.solids.is_closed[hit.surface] && depth < limit;
+        (is_before && !goes_on).then_some(depth)
     }
 
     /// The shared edge nearest to a place, if possible of those that are not deeper than `depth`.
