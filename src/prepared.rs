@@ -17,7 +17,8 @@ use crate::renderer::{
     ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
     RaisedPatches, Renderer, Strokes, SurfaceJoint,
 };
-use crate::scene::{CadModel, FaceOfModel, Method, Paint, Scene, Surface};
+use crate::model::Joint;
+use crate::scene::{CadModel, FaceOfModel, Method, Paint, Scene, Surface, joined};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
 
 /// A scene uploaded to the driver, ready to be drawn from any viewpoint.
@@ -52,9 +53,10 @@ impl PreparedScene {
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
         let mut draw_list = DrawList::default();
-        let joints = joints(scene);
+        let mut joints = Vec::new();
         if !scene.surfaces.is_empty() {
             let Neighbours { table, centerings, raised } = neighbours(scene);
+            joints = all_joints(scene, &table);
             let mut points = Vec::with_capacity(scene.surfaces.len());
             for ((surface, raised), centering) in scene.surfaces.iter().zip(&raised).zip(centerings)
             {
@@ -169,13 +171,41 @@ impl PreparedScene {
     }
 }
 
-/// The joints of all faces of CAD models.
-fn joints(scene: &Scene) -> Vec<SurfaceJoint> {
+/// The joints of all faces of CAD models, and those of all other surfaces.
+fn all_joints(scene: &Scene, table: &EdgeTable) -> Vec<SurfaceJoint> {
+    let mut patches = 0;
+    let firsts = scene.surfaces.iter().map(|surface| {
+        patches += surface.patches().len();
+        patches - surface.patches().len()
+    });
+    let firsts: Vec<usize> = firsts.collect();
+    let mut found = joints_of_models(scene, &firsts);
+    let (joints, patches): (Vec<Joint>, Vec<[usize; 2]>) =
+        joined(&scene.surfaces, &table.open_sides())
+            .into_iter()
+            .map(|joined| (joined.joint, joined.patches))
+            .unzip();
+    let joints: Arc<[Joint]> = joints.into();
+    found.extend(patches.into_iter().enumerate().map(|(number, patches)| {
+        let surfaces = joints[number].faces;
+        SurfaceJoint {
+            joints: Arc::clone(&joints),
+            number,
+            surfaces,
+            patches: [0, 1].map(|i| firsts[surfaces[i]] + patches[i]),
+            made_for: Some(surfaces.map(|surface| scene.surfaces[surface].transform)),
+        }
+    }));
+    found
+}
+
+/// The joints of all faces of CAD models. `firsts` are the numbers of the surfaces' first patches.
+fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
     // The surface of each face in each place of its product.
     let mut surfaces: HashMap<(usize, usize), usize> = HashMap::new();
     let mut joints_of: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
     for (number, surface) in scene.surfaces.iter().enumerate() {
-        if let Some(face) = surface.face {
+        if let Some(face) = surface.face.filter(|_| surface.join) {
             surfaces.insert((face.model, face.instance), number);
         }
     }
@@ -186,7 +216,10 @@ fn joints(scene: &Scene) -> Vec<SurfaceJoint> {
     }
     let mut found = Vec::new();
     for (number, surface) in scene.surfaces.iter().enumerate() {
-        let Some(FaceOfModel { model, face, instance }) = surface.face else { continue };
+        let Some(FaceOfModel { model, face, instance }) = surface.face.filter(|_| surface.join)
+        else {
+            continue;
+        };
         for joint in joints_of.get(&(model, face)).into_iter().flatten() {
             let joints = &scene.models[model].joints;
             // The faces of a product are numbered alike in all of its places.
@@ -196,6 +229,8 @@ fn joints(scene: &Scene) -> Vec<SurfaceJoint> {
                 joints: Arc::clone(joints),
                 number: *joint,
                 surfaces: [number, *other],
+                patches: [number, *other].map(|surface| firsts[surface]),
+                made_for: None,
             }));
         }
     }

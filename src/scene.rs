@@ -4,6 +4,7 @@ mod bpt;
 mod cad;
 mod document;
 mod file;
+mod joined;
 mod model;
 mod obj;
 mod settings;
@@ -29,6 +30,7 @@ use crate::trim::Circle;
 
 pub use cad::{CadModel, FaceOfModel};
 use file::{BYTE_ORDER_MARK, check_is_file, extension, read_text, unreadable};
+pub(crate) use joined::joined;
 pub use model::{Material, MeshModel};
 pub(crate) use settings::CONTROL_POINT_PX;
 pub use settings::{

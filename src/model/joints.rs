@@ -1,5 +1,5 @@
-//! Joints: edges along which two faces meet, as curves with what each face is like there. The renderer closes the gap
-//! between the two faces along them.
+//! Joints: curves along which two faces of a model, or two surfaces of a scene, meet, with what each is like there. The
+//! renderer closes the gap between the two along them.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_8;
@@ -12,17 +12,17 @@ use crate::bezier::SurfacePoint;
 use crate::error::Result;
 use crate::parallel;
 
-/// An edge where two faces meet, or one face meets itself.
+/// An edge where two faces meet, or one face meets itself; or a curve along which two surfaces of a scene meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
-    /// The number of the edge in the model.
+    /// The number of the edge in the model. For surfaces of a scene: the number of the joint.
     pub edge: usize,
-    /// The numbers of the two faces.
+    /// The numbers of the two faces, or surfaces.
     pub faces: [usize; 2],
     /// On which side each face lies if one looks along the curve and against its normal: 1 to the left, −1 to the
     /// right.
     pub sides: [f64; 2],
-    /// The edge from its start to its end.
+    /// The edge from its start to its end: in model space, for surfaces of a scene in world space.
     pub pieces: Vec<JointPiece>,
     /// The largest distance between the pieces and the border of either face, by samples.
     pub gap: f64,
@@ -81,27 +81,103 @@ impl Model {
             let [Some(one), Some(other)] = borders else { return None };
             let [(one_face, edge), (other_face, _)] = pairs[number];
             let curve = self.edges[edge.edge].curve.as_ref()?;
-            let (pieces, fitted) = pieces(curve, [&one, &other], FITTED * diagonal);
-            Some(Joint {
-                edge: edge.edge,
-                faces: [one_face, other_face],
-                sides: [one.side, other.side],
-                pieces,
-                gap: one.gap.max(other.gap) + fitted,
-            })
+            let faces = [one_face, other_face];
+            Some(Joint::new(edge.edge, faces, curve, [&one, &other], diagonal))
         });
         joints.into_iter().flatten().collect()
     }
 }
 
-/// The border of a face along an edge.
-struct Border<'a> {
-    face: &'a DrawnFace,
-    side: f64,
-    /// Parameters of the edge, in ascending order, and (u, v) there.
-    places: Vec<(f64, DVec2)>,
-    /// The largest distance of the places from the edge.
-    gap: f64,
+impl Joint {
+    /// A joint along a curve. `diagonal` is that of the whole model or scene.
+    pub(crate) fn new(
+        edge: usize,
+        faces: [usize; 2],
+        curve: &dyn JointCurve,
+        borders: [&Border<'_>; 2],
+        diagonal: f64,
+    ) -> Self {
+        let (pieces, fitted) = pieces(curve, borders, FITTED * diagonal);
+        let gap = borders[0].gap.max(borders[1].gap) + fitted;
+        Self { edge, faces, sides: borders.map(|border| border.side), pieces, gap }
+    }
+}
+
+/// A surface beside a joint, in the space of the joint.
+pub(crate) trait JointSurface {
+    /// Its point at (u, v).
+    fn at(&self, uv: DVec2) -> SurfacePoint;
+    /// (u, v) as shares of the domain. Where the surface is closed, on the side of the seam on which `middle` is.
+    fn share(&self, uv: DVec2, middle: DVec2) -> DVec2;
+}
+
+impl JointSurface for DrawnFace {
+    fn at(&self, uv: DVec2) -> SurfacePoint {
+        self.at(uv)
+    }
+
+    fn share(&self, uv: DVec2, middle: DVec2) -> DVec2 {
+        let [low, high] = self.surface.domain();
+        (uv + self.periods_into_domain(middle) - low) / (high - low)
+    }
+}
+
+/// The curve of a joint.
+pub(crate) trait JointCurve {
+    /// Parameters in ascending order, from the first to the last, between which the curve is smooth and short enough
+    /// for a first cubic.
+    fn breaks(&self) -> Vec<f64>;
+    /// A cubic between two parameters.
+    fn cubic(&self, from: f64, to: f64) -> [DVec3; 4];
+    /// The distance of a point from the curve near a parameter.
+    fn distance(&self, point: DVec3, near: f64) -> f64;
+}
+
+impl JointCurve for BoundedCurve {
+    fn breaks(&self) -> Vec<f64> {
+        let [first, last] = self.range;
+        let mut breaks = vec![first];
+        match &self.curve {
+            Curve::Line { .. } => {}
+            Curve::Circle { .. } | Curve::Ellipse { .. } => {
+                let count = ((last - first) / FRAC_PI_8).ceil().clamp(1.0, 1e3) as u32;
+                let at = |i: u32| first + f64::from(i) / f64::from(count) * (last - first);
+                breaks.extend((1..count).map(at));
+            }
+            Curve::Nurbs(curve) => {
+                breaks.extend(curve.knots().iter().filter(|knot| first < **knot && **knot < last));
+                breaks.dedup();
+            }
+        }
+        breaks.push(last);
+        breaks
+    }
+
+    /// The cubic with the directions of the edge at its ends.
+    fn cubic(&self, from: f64, to: f64) -> [DVec3; 4] {
+        let length = match self.curve {
+            // The cubic nearest to an arc.
+            Curve::Circle { .. } | Curve::Ellipse { .. } => 4.0 / 3.0 * (0.25 * (to - from)).tan(),
+            _ => (to - from) / 3.0,
+        };
+        let ([start, slope], [end, slope_at_end]) = (self.curve.at(from), self.curve.at(to));
+        [start, start + length * slope, end - length * slope_at_end, end]
+    }
+
+    fn distance(&self, point: DVec3, near: f64) -> f64 {
+        nearest_on(self, point, near).1
+    }
+}
+
+/// The border of a surface along the curve of a joint.
+pub(crate) struct Border<'a> {
+    pub(crate) surface: &'a dyn JointSurface,
+    /// As [`Joint::sides`].
+    pub(crate) side: f64,
+    /// Parameters of the curve, in ascending order, and (u, v) there.
+    pub(crate) places: Vec<(f64, DVec2)>,
+    /// The largest distance of the places from the curve.
+    pub(crate) gap: f64,
 }
 
 impl<'a> Border<'a> {
@@ -138,27 +214,25 @@ impl<'a> Border<'a> {
         if !edge.forward {
             places.reverse();
         }
-        Some(Self { face, side: if edge.forward { 1.0 } else { -1.0 }, places, gap })
+        Some(Self { surface: face, side: if edge.forward { 1.0 } else { -1.0 }, places, gap })
     }
 
-    /// What the face is like at a parameter of the edge.
+    /// What the surface is like at a parameter of the curve.
     fn at(&self, t: f64) -> Place {
         let next = self.places.partition_point(|(place, _)| *place < t);
         let next = next.clamp(1, self.places.len() - 1);
         let ((from, at_from), (to, at_to)) = (self.places[next - 1], self.places[next]);
         let share = ((t - from) / (to - from)).clamp(0.0, 1.0);
         let uv = if share.is_finite() { at_from.lerp(at_to, share) } else { at_from };
-        let SurfacePoint { du, dv, .. } = self.face.at(uv);
+        let SurfacePoint { du, dv, .. } = self.surface.at(uv);
         let normal = du.normalize_or_zero().cross(dv.normalize_or_zero()).normalize_or_zero();
         Place { uv, normal: normal.as_vec3() }
     }
 
-    /// What the face is like at both ends of a part of the edge, from the places there and in its middle.
+    /// What the surface is like at both ends of a part of the curve, from the places there and in its middle.
     fn beside(&self, [start, middle, end]: [Place; 3]) -> [Beside; 2] {
-        let [low, high] = self.face.surface.domain();
-        let by = self.face.periods_into_domain(middle.uv);
         [start, end].map(|Place { uv, normal }| {
-            let share = ((uv + by - low) / (high - low)).clamp(DVec2::ZERO, DVec2::ONE);
+            let share = self.surface.share(uv, middle.uv).clamp(DVec2::ZERO, DVec2::ONE);
             Beside { normal, share: share.as_vec2() }
         })
     }
@@ -191,44 +265,27 @@ struct Place {
     normal: Vec3,
 }
 
-/// An edge with the borders of its two faces.
+/// A curve with the borders of two surfaces.
 struct Fit<'a> {
-    curve: &'a BoundedCurve,
+    curve: &'a dyn JointCurve,
     borders: [&'a Border<'a>; 2],
-    /// The largest distance of a piece from the edge.
+    /// The largest distance of a piece from the curve.
     tolerance: f64,
     pieces: Vec<JointPiece>,
     /// The largest distance found.
     largest: f64,
 }
 
-/// The pieces of an edge, and their largest distance from it.
+/// The pieces of a curve, and their largest distance from it.
 fn pieces(
-    curve: &BoundedCurve,
+    curve: &dyn JointCurve,
     borders: [&Border<'_>; 2],
     tolerance: f64,
 ) -> (Vec<JointPiece>, f64) {
-    let [first, last] = curve.range;
-    let mut breaks = vec![first];
-    match &curve.curve {
-        Curve::Line { .. } => {}
-        Curve::Circle { .. } | Curve::Ellipse { .. } => {
-            let count = ((last - first) / FRAC_PI_8).ceil().clamp(1.0, 1e3) as u32;
-            let at = |i: u32| first + f64::from(i) / f64::from(count) * (last - first);
-            breaks.extend((1..count).map(at));
-        }
-        Curve::Nurbs(curve) => {
-            breaks.extend(curve.knots().iter().filter(|knot| first < **knot && **knot < last));
-            breaks.dedup();
-        }
-    }
-    breaks.push(last);
     let mut fit = Fit { curve, borders, tolerance, pieces: Vec::new(), largest: 0.0 };
-    let mut from = (first, fit.places(first));
-    for t in &breaks[1..] {
-        let to = (*t, fit.places(*t));
-        fit.add(from, to, 0);
-        from = to;
+    let places = curve.breaks().into_iter().map(|t| (t, fit.places(t))).collect::<Vec<_>>();
+    for ends in places.windows(2) {
+        fit.add(ends[0], ends[1], 0);
     }
     (fit.pieces, fit.largest)
 }
@@ -238,26 +295,14 @@ impl Fit<'_> {
         self.borders.map(|border| border.at(t))
     }
 
-    /// The cubic with the directions of the edge at its ends.
-    fn cubic(&self, from: f64, to: f64) -> [DVec3; 4] {
-        let length = match self.curve.curve {
-            // The cubic nearest to an arc.
-            Curve::Circle { .. } | Curve::Ellipse { .. } => 4.0 / 3.0 * (0.25 * (to - from)).tan(),
-            _ => (to - from) / 3.0,
-        };
-        let ([start, slope], [end, slope_at_end]) =
-            (self.curve.curve.at(from), self.curve.curve.at(to));
-        [start, start + length * slope, end - length * slope_at_end, end]
-    }
-
     /// Appends the pieces between two parameters.
     fn add(&mut self, from: (f64, [Place; 2]), to: (f64, [Place; 2]), halvings: u32) {
-        let points = self.cubic(from.0, to.0);
+        let points = self.curve.cubic(from.0, to.0);
         let middle = from.0.midpoint(to.0);
         let between = self.places(middle);
         let off = [0.25, 0.5, 0.75].map(|share| {
             let point = point_of(&points, share);
-            nearest_on(self.curve, point, from.0 + share * (to.0 - from.0)).1
+            self.curve.distance(point, from.0 + share * (to.0 - from.0))
         });
         let off = off.into_iter().fold(0.0, f64::max);
         let is_even = |side: usize| {

@@ -64,8 +64,8 @@ impl PreparedScene {
     }
 
     /// Sets (u, v) and the patch of a pixel that a stroke draws to those of the point of its surface that is nearest to
-    /// the drawn position. The stroke states the number of its surface instead of the patch, and shares of its domain,
-    /// which are roughly right.
+    /// the drawn position. The stroke states a patch of its surface, for a NURBS surface any, and shares of the domain, which
+    /// are roughly right.
     fn find_patch(
         &self,
         firsts: &[usize],
@@ -73,14 +73,16 @@ impl PreparedScene {
         own: &mut [f32; 2],
         position: [f32; 4],
     ) {
-        let number = (-1.0 - uv[2]) as usize;
-        let Some(surface) = self.surfaces.get(number).map(PreparedSurface::surface) else { return };
+        let patch = (-1.0 - uv[2]) as usize;
+        let number = firsts.partition_point(|first| *first <= patch) - 1;
+        let surface = self.surfaces[number].surface();
+        let patch = patch - firsts[number];
         let [x, y, z, _] = position.map(f64::from);
         let point = surface.transform.inverse().transform_point3(DVec3::new(x, y, z));
         let [low, high] = surface.domain();
         let share = DVec2::new(own[0].into(), own[1].into());
-        let place = surface.nearest(point, low + share * (high - low));
-        let patch = surface.patch_at(place);
+        let place = surface.nearest(patch, point, low + share * (high - low));
+        let patch = surface.patch_grid().map_or(patch, |grid| grid.patch_at(place));
         let [low, high] = surface.patch_domain(patch);
         uv[2] = (firsts[number] + patch) as f32;
         *own = ((place - low) / (high - low)).as_vec2().to_array();

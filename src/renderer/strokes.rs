@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{Mat4, Vec4};
+use glam::{DMat4, Mat4, Vec4};
 use glow::HasContext;
 
 use super::draws::PlanKey;
@@ -17,7 +17,7 @@ use crate::gpu::{TexelBuffer, samples_of_target};
 use crate::model::Joint;
 use crate::parallel;
 use crate::programs::{Output, Pipeline, ProgramKey, STROKES_UNIT, TrimFeatures, location};
-use crate::scene::{Method, Shading, Tessellation};
+use crate::scene::{Method, Paint, Shading, Tessellation};
 use crate::tessellation::{PlacedJoint, SEGMENT_TEXELS, StrokeSegment, StrokeSide, StrokeView};
 
 /// The error of `f32` in a face's border, as a share of the size of its control points' box: that of the points and of
@@ -31,12 +31,16 @@ const TOGETHER: usize = 128;
 /// A joint of two surfaces of a scene.
 #[derive(Debug)]
 pub(crate) struct SurfaceJoint {
-    /// The joints of its model.
+    /// The joints of its model, or of all surfaces without a model.
     pub(crate) joints: Arc<[Joint]>,
     /// Its number among them.
     pub(crate) number: usize,
     /// The numbers of the surfaces.
     pub(crate) surfaces: [usize; 2],
+    /// A patch of each among the patches of all surfaces.
+    pub(crate) patches: [usize; 2],
+    /// The transforms of the surfaces for which the joint was made in world space; `None`: it is in the space of both.
+    pub(crate) made_for: Option<[DMat4; 2]>,
 }
 
 /// The joints of a scene and their strokes in the last view.
@@ -125,32 +129,43 @@ impl Strokes {
 
 impl SurfaceJoint {
     /// The joint in its place; `None` if a surface is hidden or no longer as the joint was made for.
-    fn placed(&self, surfaces: &[PreparedSurface]) -> Option<PlacedJoint<'_>> {
+    fn placed<'a>(&'a self, surfaces: &'a [PreparedSurface]) -> Option<PlacedJoint<'a>> {
         let [one, other] = self.surfaces.map(|number| &surfaces[number]);
         let joint = &self.joints[self.number];
         let is_whole =
             |surface: &PreparedSurface| !surface.surface().hidden && !surface.is_reshaped();
-        let transform = one.surface().transform;
-        if !is_whole(one) || !is_whole(other) || other.surface().transform != transform {
+        let transforms = [one, other].map(|surface| surface.surface().transform);
+        let (transform, is_in_place) = match self.made_for {
+            Some(made_for) => (DMat4::IDENTITY, transforms == made_for),
+            None => (transforms[0], transforms[0] == transforms[1]),
+        };
+        if !is_whole(one) || !is_whole(other) || !is_in_place {
             return None;
         }
         let side = |i: usize| {
             let surface = &surfaces[self.surfaces[i]];
             StrokeSide {
-                surface: self.surfaces[i] as u32,
+                patch: self.patches[i] as u32,
                 color: to_bytes(surface.color()),
+                picture: match &surface.surface().paint {
+                    Paint::Texture(picture) => Some(picture.as_ref()),
+                    Paint::Color(_) => None,
+                },
                 is_flat: surface.is_flat(),
                 side: joint.sides[i],
             }
         };
-        let axes = [transform.x_axis, transform.y_axis, transform.z_axis];
-        let scale = axes.map(|axis| axis.length()).into_iter().fold(0.0, f64::max);
-        let size = one.points_scale().max(other.points_scale());
+        let scale = |of: DMat4| {
+            let axes = [of.x_axis, of.y_axis, of.z_axis];
+            axes.map(|axis| axis.length()).into_iter().fold(0.0, f64::max)
+        };
+        let size = (scale(transforms[0]) * one.points_scale())
+            .max(scale(transforms[1]) * other.points_scale());
         Some(PlacedJoint {
             pieces: &joint.pieces,
             transform,
             sides: [side(0), side(1)],
-            gap: scale * (joint.gap + ROUNDING * size),
+            gap: scale(transform) * joint.gap + ROUNDING * size,
         })
     }
 }

@@ -282,6 +282,7 @@ impl Builder<'_> {
             surface.paint = paint.clone();
             surface.shading = table.shading.into();
             surface.hidden = table.hidden;
+            surface.join = table.join;
             surface.cull = match table.cull {
                 CullName::None => Cull::None,
                 CullName::Back => Cull::Back,

@@ -71,6 +71,9 @@ pub struct Surface {
     pub face: Option<FaceOfModel>,
     /// Whether it is left out of pictures. Its neighbours stay its neighbours.
     pub hidden: bool,
+    /// Whether no gap is left between it and other surfaces that it meets along its borders and trims. Neighbours with
+    /// equal control points never have one.
+    pub join: bool,
 }
 
 /// A NURBS surface and the grid of its patches.
@@ -112,6 +115,7 @@ impl Surface {
             cull: Cull::default(),
             face: None,
             hidden: false,
+            join: true,
         }
     }
 
@@ -283,12 +287,13 @@ impl Surface {
         SurfacePoint { du: point.du * size.x, dv: point.dv * size.y, ..point }
     }
 
-    /// The parameters of the point of the surface that is nearest to a point in model space, from parameters nearby.
-    pub(crate) fn nearest(&self, point: DVec3, near: DVec2) -> DVec2 {
+    /// The parameters of the point that is nearest to a point in model space, from parameters nearby: of a Bézier patch,
+    /// or of a whole NURBS surface.
+    pub(crate) fn nearest(&self, patch: usize, point: DVec3, near: DVec2) -> DVec2 {
         const STEPS: u32 = 8;
         let [low, high] = self.domain();
         let at = |place: DVec2| {
-            let patch = self.patch_at(place);
+            let patch = self.patch_grid().map_or(patch, |grid| grid.patch_at(place));
             let [low, high] = self.patch_domain(patch);
             let share = (place - low) / (high - low);
             let point = self.at(patch, share.x, share.y);

@@ -82,8 +82,14 @@ pub(super) struct SurfaceTable {
     pub(super) cull: CullName,
     #[serde(default)]
     pub(super) hidden: bool,
+    #[serde(default = "yes")]
+    pub(super) join: bool,
     #[serde(default)]
     pub(super) trim: Vec<Spanned<TrimTable>>,
+}
+
+const fn yes() -> bool {
+    true
 }
 
 #[derive(Deserialize)]

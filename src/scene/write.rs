@@ -191,6 +191,9 @@ impl Writer<'_> {
         if surface.hidden {
             self.line("hidden", true);
         }
+        if !surface.join {
+            self.line("join", false);
+        }
         self.trims(&surface.trims);
         Ok(())
     }

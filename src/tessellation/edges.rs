@@ -171,6 +171,13 @@ impl EdgeTable {
         self.count
     }
 
+    /// For each side of each patch, whether it is no side of another one.
+    pub(crate) fn open_sides(&self) -> Vec<[bool; SIDES]> {
+        let mut uses = vec![0; self.count];
+        self.edges.as_flattened().iter().for_each(|edge| uses[*edge as usize] += 1);
+        self.edges.iter().map(|edges| edges.map(|edge| uses[edge as usize] == 1)).collect()
+    }
+
     /// The edges of a patch.
     pub(crate) fn of(&self, patch: usize) -> [usize; SIDES] {
         self.edges[patch].map(|edge| edge as usize)

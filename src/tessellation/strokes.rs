@@ -1,4 +1,4 @@
-//! Strokes: the joints of CAD models as line segments of a certain width on the screen. All points of the screen within
+//! Strokes: joints as line segments of a certain width on the screen. All points of the screen within
 //! half a width of a segment are drawn, as part of one of the two faces.
 //!
 //! Why no sample between two faces stays empty: each face's border, as it is drawn, is nowhere further from the edge
@@ -12,6 +12,7 @@ use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2, Vec3};
 
 use crate::camera::ViewProjection;
 use crate::model::{Beside, JointPiece};
+use crate::scene::Image;
 
 /// The share of the tolerance that is left to the triangles of surfaces with joints.
 pub(crate) const LEFT_TO_FACES: f64 = 0.875;
@@ -28,6 +29,8 @@ const BEHIND: f32 = 0.25;
 const FAR_BEHIND: f32 = 1.0;
 /// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
 const CLEARLY: f64 = 0.1;
+/// The longest segment in pixels that has one colour of a picture.
+const PICTURED: f64 = 4.0;
 /// How often a piece of an edge is halved at most.
 const MAX_HALVINGS: u32 = 40;
 
@@ -44,7 +47,7 @@ pub(crate) struct StrokeSegment {
     /// How much farther than the faces' planes it is drawn, as a share of half of the width.
     behind: f32,
     /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
-    /// colour, the normal at the end and the number of its surface. The same for the face to the right.
+    /// colour, the normal at the end and the number of a patch. The same for the face to the right.
     faces: [StrokeFace; 2],
     /// (u, v) of the left face at the start and the end, as shares of the domain, then of the right face.
     shares: [[Vec2; 2]; 2],
@@ -58,7 +61,7 @@ struct StrokeFace {
     /// Red, green and blue from 0 to 255, each times a power of 256: exact in `f32`.
     color: f32,
     end: Vec3,
-    surface: f32,
+    patch: f32,
 }
 
 /// Texels of a segment.
@@ -66,14 +69,28 @@ pub(crate) const SEGMENT_TEXELS: usize = size_of::<StrokeSegment>() / 16;
 
 /// A face of a joint in its place.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct StrokeSide {
-    /// The number of the surface in the scene.
-    pub(crate) surface: u32,
+pub(crate) struct StrokeSide<'a> {
+    /// The number of the Bézier patch among the patches of all surfaces, or of any patch of a NURBS surface.
+    pub(crate) patch: u32,
     pub(crate) color: [u8; 3],
+    /// The picture over the domain, if there is one.
+    pub(crate) picture: Option<&'a Image>,
     /// Whether triangles follow it without error.
     pub(crate) is_flat: bool,
     /// 1 if the face lies to the left of the edge's direction, seen against its normal; −1 otherwise.
     pub(crate) side: f64,
+}
+
+impl StrokeSide<'_> {
+    /// The colour at (u, v) as shares of the domain; `None` where the picture has a hole.
+    fn color_at(&self, share: DVec2) -> Option<[u8; 3]> {
+        let Some(picture) = self.picture else { return Some(self.color) };
+        let size = UVec2::from(picture.dimensions());
+        let place = DVec2::new(share.x, 1.0 - share.y) * size.as_dvec2();
+        let UVec2 { x, y } = place.as_uvec2().min(size - 1);
+        let [red, green, blue, alpha] = picture.get_pixel(x, y).0;
+        (alpha >= 128).then_some([red, green, blue])
+    }
 }
 
 /// A joint in its place.
@@ -81,7 +98,7 @@ pub(crate) struct PlacedJoint<'a> {
     pub(crate) pieces: &'a [JointPiece],
     /// From the model to world space.
     pub(crate) transform: DMat4,
-    pub(crate) sides: [StrokeSide; 2],
+    pub(crate) sides: [StrokeSide<'a>; 2],
     /// The largest distance of the faces' borders from the pieces in world units, with the error of `f32`.
     pub(crate) gap: f64,
 }
@@ -195,7 +212,10 @@ impl StrokeView {
         // The width is that of the nearest place; far from it, it may be too much.
         let error = bend * px;
         let excess = joint.gap * (px - self.px_per_unit(farthest));
-        if error + excess <= OFF_EDGE * self.tolerance || halvings >= MAX_HALVINGS {
+        let is_straight = error + excess <= OFF_EDGE * self.tolerance;
+        let is_pictured = joint.sides.iter().any(|side| side.picture.is_some());
+        let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
+        if (is_straight && is_short) || halvings >= MAX_HALVINGS {
             let clipped = if is_in_front { Some(part) } else { part.beyond(self.near) };
             segments.extend(
                 clipped.and_then(|part| self.segment(joint, handedness, &part, half_width(error))),
@@ -271,13 +291,14 @@ impl StrokeView {
         };
         let half_width = if is_fold && is_clear { -half_width } else { half_width };
         let face = |face: usize| {
-            let StrokeSide { color: [red, green, blue], surface, .. } = joint.sides[face];
-            StrokeFace {
+            let [start, end] = ends.map(|(_, end)| end.shares[face]);
+            let [red, green, blue] = joint.sides[face].color_at(start.midpoint(end))?;
+            Some(StrokeFace {
                 start: ends[0].1.normals[face].as_vec3(),
                 color: (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue),
                 end: ends[1].1.normals[face].as_vec3(),
-                surface: surface as f32,
-            }
+                patch: joint.sides[face].patch as f32,
+            })
         };
         let shares = |face: usize| ends.map(|(_, end)| end.shares[face].as_vec2());
         let places = ends.map(|(point, _)| self.place(point));
@@ -286,7 +307,7 @@ impl StrokeView {
             depths: DVec2::new(-ends[0].0.z, -ends[1].0.z).as_vec2(),
             half_width: half_width as f32,
             behind,
-            faces: [face(to_left), face(to_right)],
+            faces: [face(to_left)?, face(to_right)?],
             shares: [shares(to_left), shares(to_right)],
         };
         places.iter().all(|place| place.is_finite()).then_some(segment)
