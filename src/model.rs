@@ -34,8 +34,8 @@ pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
 pub(crate) use import::ENDED;
 pub use import::{ImportOptions, find_helper, import, is_cad_file};
 pub use instances::Instance;
-pub(crate) use joints::{Border, JointCurve, JointSurface};
 pub use joints::{Beside, Joint, JointPiece};
+pub(crate) use joints::{Border, JointCurve, JointSurface};
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.
 #[derive(Debug, Clone, PartialEq)]

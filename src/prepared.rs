@@ -11,13 +11,13 @@ pub use multisample::sample_offsets;
 
 use crate::error::Result;
 use crate::gpu::Texture;
+use crate::model::Joint;
 use crate::parallel;
 use crate::programs::Output;
 use crate::renderer::{
     ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
     RaisedPatches, Renderer, Strokes, SurfaceJoint,
 };
-use crate::model::Joint;
 use crate::scene::{CadModel, FaceOfModel, Method, Paint, Scene, Surface, joined};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
 

@@ -30,7 +30,8 @@ impl PreparedScene {
         Ok(aovs)
     }
 
-    /// Replaces u and v in the patches by those in the domains of NURBS surfaces, and sets the faces of CAD models.
+    /// Replaces u and v in the patches by those in the domains of NURBS surfaces, finds those of strokes, and sets the
+    /// faces of CAD models.
     fn set_surfaces(&self, aovs: &mut Aovs) {
         let surfaces = self.surfaces.iter().map(PreparedSurface::surface);
         // For each surface, the number of its first patch.
@@ -40,7 +41,8 @@ impl PreparedScene {
             firsts.push(next);
             next += surface.patches().len();
         }
-        if surfaces.clone().all(|surface| surface.nurbs().is_none()) {
+        let has_strokes = self.strokes.draws() > 0;
+        if !has_strokes && surfaces.clone().all(|surface| surface.nurbs().is_none()) {
             return;
         }
         let pixels = aovs.uv.iter_mut().zip(&mut aovs.patch_uv).zip(&mut aovs.face);

@@ -53,9 +53,10 @@ struct Overlap {
 /// The curves are the same from one of their ends to another: only rims that pass the ends of each other are compared.
 pub(crate) fn joined(surfaces: &[Surface], open: &[[bool; 4]]) -> Vec<JoinedSurfaces> {
     let extents = extents(surfaces);
-    let everything = extents.iter().map(|extent| extent.bounds).reduce(|[low, high], other| {
-        [low.min(other[0]), high.max(other[1])]
-    });
+    let everything = extents
+        .iter()
+        .map(|extent| extent.bounds)
+        .reduce(|[low, high], other| [low.min(other[0]), high.max(other[1])]);
     let Some([low, high]) = everything else { return Vec::new() };
     let diagonal = low.distance(high);
     let tolerance = MET * diagonal;
@@ -111,9 +112,7 @@ fn contacts(rims: &[Rim<'_>], tolerance: f64) -> Vec<Contact> {
         let by_place = || a.at[0].total_cmp(&b.at[0]).then(a.at[1].total_cmp(&b.at[1]));
         a.rims.cmp(&b.rims).then_with(by_place)
     });
-    contacts.dedup_by(|a, b| {
-        a.rims == b.rims && (0..2).all(|i| (a.at[i] - b.at[i]).abs() < SAME)
-    });
+    contacts.dedup_by(|a, b| a.rims == b.rims && (0..2).all(|i| (a.at[i] - b.at[i]).abs() < SAME));
     contacts
 }
 
@@ -125,9 +124,8 @@ fn overlaps(rims: &[Rim<'_>], contacts: &[Contact], tolerance: f64) -> Vec<Overl
     for pair in levels.windows(2) {
         let ways = pair[0].iter().flat_map(|from| pair[1].iter().map(move |to| [from, to]));
         let mut ways = ways.filter(|[from, to]| (from.at[1] - to.at[1]).abs() > SAME);
-        let whole = ways.find_map(|[from, to]| {
-            overlap(rims, from.rims, [from.at, to.at], [1.0; 2], tolerance)
-        });
+        let whole = ways
+            .find_map(|[from, to]| overlap(rims, from.rims, [from.at, to.at], [1.0; 2], tolerance));
         if let Some(whole) = whole {
             kept_parts(rims, whole, tolerance, &mut found);
         }
@@ -153,7 +151,8 @@ fn overlap(
         let guess = last + (to[1] - last) / f64::from(PARTS + 1 - i);
         let (at, distance) = other.nearest(rim.point(t), guess);
         apart = apart.max(distance);
-        let is_onward = (at - last) * (to[1] - from[1]) > 0.0 && (to[1] - at) * (to[1] - from[1]) > 0.0;
+        let is_onward =
+            (at - last) * (to[1] - from[1]) > 0.0 && (to[1] - at) * (to[1] - from[1]) > 0.0;
         if apart > tolerance || !is_onward {
             return None;
         }
@@ -249,7 +248,8 @@ impl JointCurve for Stretch<'_> {
 
     /// The cubic through four points.
     fn cubic(&self, from: f64, to: f64) -> [DVec3; 4] {
-        let [a, b, c, d] = [0.0, 1.0, 2.0, 3.0].map(|i| self.rim.point(from + i / 3.0 * (to - from)));
+        let [a, b, c, d] =
+            [0.0, 1.0, 2.0, 3.0].map(|i| self.rim.point(from + i / 3.0 * (to - from)));
         let inner = |near: DVec3, far: DVec3, start: DVec3, end: DVec3| {
             3.0 * near - 1.5 * far - 5.0 / 6.0 * start + end / 3.0
         };

@@ -9,6 +9,7 @@ mod contexts;
 mod depth;
 mod drivers;
 mod figures;
+mod joined_surfaces;
 mod leaks;
 mod light;
 mod mesh_colors;

@@ -58,9 +58,8 @@ impl BoxTree {
     /// Calls a function with the numbers of the boxes that meet another one, until it returns true; returns whether it
     /// did.
     pub(super) fn any(&self, bounds: Bounds, mut is_it: impl FnMut(usize) -> bool) -> bool {
-        let meets = |[low, high]: &Bounds| {
-            low.cmple(bounds[1]).all() && high.cmpge(bounds[0]).all()
-        };
+        let meets =
+            |[low, high]: &Bounds| low.cmple(bounds[1]).all() && high.cmpge(bounds[0]).all();
         let leaves = self.nodes.len() / 2;
         let mut open = vec![0];
         while let Some(node) = open.pop() {
@@ -99,9 +98,8 @@ mod tests {
                     false
                 }));
                 found.sort_unstable();
-                let meets = |[low, high]: Bounds| {
-                    low.cmple(query[1]).all() && high.cmpge(query[0]).all()
-                };
+                let meets =
+                    |[low, high]: Bounds| low.cmple(query[1]).all() && high.cmpge(query[0]).all();
                 let expected: Vec<usize> = (0..count).filter(|i| meets(at(*i))).collect();
                 assert_eq!(found, expected, "{count}");
             }

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec2, DVec3};
 
-use super::boxes::{BoxTree, Bounds, widened};
+use super::boxes::{Bounds, BoxTree, widened};
 use crate::bezier::{SurfacePoint, bounding_box};
 use crate::model::JointSurface;
 use crate::parallel;
@@ -36,7 +36,11 @@ pub(super) struct Rim<'a> {
 enum Path {
     Segment(Segment),
     /// A quarter of an ellipse, from an angle on.
-    Quarter { center: DVec2, radii: DVec2, from: f64 },
+    Quarter {
+        center: DVec2,
+        radii: DVec2,
+        from: f64,
+    },
 }
 
 impl Path {
@@ -76,7 +80,8 @@ pub(super) fn extents(surfaces: &[Surface]) -> Vec<Extent<'_>> {
             let count = if surface.nurbs().is_some() { surface.patch_points().len() } else { 0 };
             let points = surface.patch_points().chunks(count.max(surface.degree().points()));
             extents.extend(points.enumerate().map(|(patch, points)| {
-                let place = |point: &glam::DVec4| surface.transform.transform_point3(point.truncate());
+                let place =
+                    |point: &glam::DVec4| surface.transform.transform_point3(point.truncate());
                 let patch = surface.nurbs().is_none().then_some(patch);
                 let bounds = bounding_box(points.iter().map(place));
                 Extent { number, surface, patch, first: first + patch.unwrap_or(0), bounds }
@@ -145,9 +150,8 @@ impl<'a> Extent<'a> {
             _ => (at_end * columns * degree.v(), 1, columns),
         };
         let points = &self.surface.patch_points()[patch * degree.points()..];
-        let place = |i: usize| {
-            self.surface.transform.transform_point3(points[first + i * step].truncate())
-        };
+        let place =
+            |i: usize| self.surface.transform.transform_point3(points[first + i * step].truncate());
         // Along u, the patch above the side lies to the left; along v, the one before it.
         let is_left = (side == 1) || (side == 2);
         Rim {
@@ -230,14 +234,16 @@ impl Rim<'_> {
     /// Whether two rims are the same place of one surface at given parameters.
     pub(super) fn is_same_place(&self, other: &Self, [own, others]: [f64; 2]) -> bool {
         let [low, high] = self.surface.domain();
-        let is_one_patch = self.patch == other.patch || self.patch.is_none() || other.patch.is_none();
+        let is_one_patch =
+            self.patch == other.patch || self.patch.is_none() || other.patch.is_none();
         let off = (self.uv(own) - other.uv(others)) / (high - low);
         self.number == other.number && is_one_patch && off.length() < 10.0 * BESIDE
     }
 
     /// The parameters at which the curve passes a point within a tolerance: an end, or both, or else one between them.
     pub(super) fn parameters_of(&self, point: DVec3, tolerance: f64) -> [Option<f64>; 2] {
-        let at_ends = [0, 1].map(|i| (self.ends[i].distance(point) <= tolerance).then_some(i as f64));
+        let at_ends =
+            [0, 1].map(|i| (self.ends[i].distance(point) <= tolerance).then_some(i as f64));
         if at_ends != [None; 2] {
             return at_ends;
         }
