@@ -18,7 +18,7 @@ const SAME: f64 = 1e-6;
 /// Parts of a common curve at whose ends two borders are compared.
 const PARTS: u32 = 8;
 /// Rims that are compared with an end of a rim at most, so that many that are equal do not cost their square.
-const MOST: usize = 256;
+const MOST: usize = 64;
 
 /// A joint of two surfaces of a scene.
 pub(crate) struct JoinedSurfaces {
@@ -260,3 +260,6 @@ impl JointCurve for Stretch<'_> {
         self.rim.point(near).distance(point)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,13 +61,18 @@ impl BoxTree {
         let meets =
             |[low, high]: &Bounds| low.cmple(bounds[1]).all() && high.cmpge(bounds[0]).all();
         let leaves = self.nodes.len() / 2;
-        let mut open = vec![0];
-        while let Some(node) = open.pop() {
+        // A path through the tree leaves one node behind at each level.
+        let mut open = [0; usize::BITS as usize];
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let node = open[count];
             if !meets(&self.nodes[node]) {
                 continue;
             }
             if node < leaves {
-                open.extend([2 * node + 2, 2 * node + 1]);
+                open[count..count + 2].copy_from_slice(&[2 * node + 2, 2 * node + 1]);
+                count += 2;
                 continue;
             }
             let leaf = &self.boxes[(node - leaves) * LEAF..][..LEAF];

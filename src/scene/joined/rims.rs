@@ -29,6 +29,8 @@ pub(super) struct Rim<'a> {
     pub(super) ends: [DVec3; 2],
     /// A box that contains it.
     pub(super) bounds: Bounds,
+    /// Points at even steps of the parameter; none for a side of a patch.
+    samples: Vec<DVec3>,
 }
 
 /// A curve in (u, v).
@@ -105,8 +107,11 @@ pub(super) fn rims<'a>(extents: &[Extent<'a>], open: &[[bool; 4]], tolerance: f6
                 rims.push(extent.side(extent.patch.unwrap_or(patch), side));
             }
         }
-        // Trims are many, and they meet others only where there are others.
         let meets = |bounds| tree.any(widened(bounds, tolerance), |other| other != number);
+        // A NURBS surface may meet itself.
+        if extent.patch.is_some() {
+            rims.retain(|rim| meets(rim.bounds));
+        }
         if !extent.surface.trims.is_empty() && meets(extent.bounds) {
             let borders = paths(&extent.surface.trims).filter_map(|path| extent.border(path));
             rims.extend(borders.filter(|rim| meets(rim.bounds)));
@@ -162,6 +167,7 @@ impl<'a> Extent<'a> {
             side: Some(if is_left { 1.0 } else { -1.0 }),
             ends: [place(0), place(count - 1)],
             bounds: bounding_box((0..count).map(place)),
+            samples: Vec::new(),
         }
     }
 
@@ -182,10 +188,11 @@ impl<'a> Extent<'a> {
             side: None,
             ends: [DVec3::ZERO; 2],
             bounds: [DVec3::ZERO; 2],
+            samples: Vec::new(),
         };
-        let points: Vec<DVec3> = places.map(|uv| rim.at(uv).position).collect();
-        rim.ends = [points[0], points[points.len() - 1]];
-        let [low, high] = bounding_box(points);
+        rim.samples = places.map(|uv| rim.at(uv).position).collect();
+        rim.ends = [rim.samples[0], rim.samples[rim.samples.len() - 1]];
+        let [low, high] = bounding_box(rim.samples.iter().copied());
         // It bends between these points.
         rim.bounds = widened([low, high], 0.25 * low.distance(high));
         Some(rim)
@@ -247,9 +254,23 @@ impl Rim<'_> {
         if at_ends != [None; 2] {
             return at_ends;
         }
-        let starts = (0..=2 * PARTS).map(|i| f64::from(i) / f64::from(2 * PARTS));
-        let start = starts.map(|t| (self.point(t).distance_squared(point), t));
-        let start = start.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, t)| t);
+        let computed: Vec<DVec3>;
+        let samples = if self.samples.is_empty() {
+            computed = (0..=PARTS).map(|i| self.point(f64::from(i) / f64::from(PARTS))).collect();
+            &computed
+        } else {
+            &self.samples
+        };
+        // Between two samples the curve does not leave their line by more than half of its length.
+        let near = samples.windows(2).zip(0..).filter_map(|(ends, part)| {
+            let line = ends[1] - ends[0];
+            let share = (point - ends[0]).dot(line) / line.length_squared();
+            let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 };
+            let distance = point.distance(ends[0].lerp(ends[1], share));
+            let is_near = distance <= 0.5 * line.length() + tolerance;
+            is_near.then_some((distance, (f64::from(part) + share) / f64::from(PARTS)))
+        });
+        let Some((_, start)) = near.min_by(|a, b| a.0.total_cmp(&b.0)) else { return [None; 2] };
         let (t, distance) = self.nearest(point, start);
         [(distance <= tolerance).then_some(t), None]
     }
