@@ -5,7 +5,7 @@
 //! `raised.rs` makes neighbours of patches whose common edge has two degrees. `square_nets.rs` brings patches of any
 //! degree to the sizes that the bound knows. `normal_cone.rs` bounds the directions of normals. `plan.rs` combines
 //! these once per frame. `triangle.rs` bounds the error of meshes' smooth triangles. `strokes.rs` covers
-//! the gaps between the faces of CAD models.
+//! the gaps between surfaces that meet.
 
 mod bound;
 mod disjoint_sets;

@@ -69,8 +69,8 @@ impl Model {
             }
         }
         let pairs: Vec<_> = uses
-            .iter()
-            .flat_map(|(_, uses)| uses.iter().skip(1).map(move |other| [uses[0], *other]))
+            .values()
+            .flat_map(|uses| uses.iter().skip(1).map(move |other| [uses[0], *other]))
             .collect();
         let joints = parallel::map(pairs.len(), |number| {
             let borders = pairs[number].map(|(face, edge)| {

@@ -132,7 +132,8 @@ fn paths(trims: &Trims) -> impl Iterator<Item = Path> + '_ {
     let ellipses = trims.ellipses.iter().filter(|_| trims.ellipses_on);
     let round = circles.chain(ellipses.map(|ellipse| (ellipse.center, ellipse.radii)));
     let rects = trims.rects.iter().filter(|_| trims.rects_on).flat_map(|rect| {
-        let corner = |i: usize| DVec2::new(rect.u[(i + 1) / 2 % 2], rect.v[i / 2 % 2]);
+        let corner =
+            |i: usize| DVec2::new(rect.u[usize::from(i % 4 == 1 || i % 4 == 2)], rect.v[i / 2 % 2]);
         (0..4).map(move |i| Path::Segment(Segment::Line([corner(i), corner(i + 1)])))
     });
     let loops = trims.all_loops().filter(|_| trims.loops_on);

@@ -1,3 +1,4 @@
+use super::super::Scene;
 use super::*;
 use crate::bezier::Degree;
 use crate::trim::{Circle, Keep, Segment, TrimLoop};
@@ -146,4 +147,16 @@ fn normals_sides_and_parameters_are_those_of_the_surfaces() {
             assert!(across.distance(into) < 1e-6, "{number}: {across}");
         }
     }
+}
+
+#[test]
+fn the_text_of_a_scene_keeps_which_surfaces_are_not_joined() {
+    let text = "[[surface]]\ncontrol_points = \"default\"\njoin = false\n\
+                [[surface]]\ncontrol_points = \"default\"\n";
+    let path = std::path::Path::new("scene.toml");
+    let scene = Scene::from_toml(text, path).unwrap();
+    assert_eq!([scene.surfaces[0].join, scene.surfaces[1].join], [false, true]);
+    let written = scene.to_toml(path).unwrap().text;
+    assert_eq!(written.matches("join").count(), 1, "{written}");
+    assert_eq!(Scene::from_toml(&written, path).unwrap().surfaces, scene.surfaces);
 }
