@@ -14,7 +14,7 @@ layout(location = 40) uniform vec4 depthTerms;   // depth: (x d + y) / (z d + w)
 #ifdef AOV
 layout(location = 24) uniform mat4 viewToWorld;
 
-layout(location = 0) out vec4 uvAov;       // u and v as shares of the surface's domain, -1 - number of a patch of it, 1
+layout(location = 0) out vec4 uvAov;       // u and v as shares of the domain, -1 - number of a patch, 1
 layout(location = 1) out vec4 positionAov; // world space; 1
 layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distance along view axis
 #else

@@ -66,8 +66,8 @@ impl PreparedScene {
     }
 
     /// Sets (u, v) and the patch of a pixel that a stroke draws to those of the point of its surface that is nearest to
-    /// the drawn position. The stroke states a patch of its surface, for a NURBS surface any, and shares of the domain, which
-    /// are roughly right.
+    /// the drawn position. The stroke states a patch of its surface, for a NURBS surface any, and shares of its domain,
+    /// which are roughly right.
     fn find_patch(
         &self,
         firsts: &[usize],

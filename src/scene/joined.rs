@@ -47,8 +47,8 @@ struct Overlap {
     apart: f64,
 }
 
-/// The joints of surfaces whose borders or trims are the same curve in world space, or a part of it. `open` tells of each
-/// side of each patch of the scene whether it is no other patch's.
+/// The joints of surfaces whose borders or trims are the same curve in world space, or a part of it. `open` tells of
+/// each side of each patch of the scene whether it is no other patch's.
 ///
 /// The curves are the same from one of their ends to another: only rims that pass the ends of each other are compared.
 pub(crate) fn joined(surfaces: &[Surface], open: &[[bool; 4]]) -> Vec<JoinedSurfaces> {

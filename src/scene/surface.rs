@@ -287,8 +287,8 @@ impl Surface {
         SurfacePoint { du: point.du * size.x, dv: point.dv * size.y, ..point }
     }
 
-    /// The parameters of the point that is nearest to a point in model space, from parameters nearby: of a Bézier patch,
-    /// or of a whole NURBS surface.
+    /// The parameters of the point that is nearest to a point in model space, from parameters nearby: of a Bézier
+    /// patch, or of a whole NURBS surface.
     pub(crate) fn nearest(&self, patch: usize, point: DVec3, near: DVec2) -> DVec2 {
         const STEPS: u32 = 8;
         let [low, high] = self.domain();

@@ -94,8 +94,8 @@ pub(super) fn extents(surfaces: &[Surface]) -> Vec<Extent<'_>> {
     extents
 }
 
-/// The rims of surfaces that are longer than a tolerance. `open` tells of each side of each patch of the scene whether it
-/// is no other patch's.
+/// The rims of surfaces that are longer than a tolerance. `open` tells of each side of each patch of the scene whether
+/// it is no other patch's.
 pub(super) fn rims<'a>(extents: &[Extent<'a>], open: &[[bool; 4]], tolerance: f64) -> Vec<Rim<'a>> {
     let tree = BoxTree::new(extents.iter().map(|extent| extent.bounds));
     let of_extents = parallel::map(extents.len(), |number| {
