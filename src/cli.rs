@@ -26,7 +26,7 @@ use indicatif::ProgressBar;
 use render::Job;
 use report::{ReportFormat, Topic};
 
-use crate::io::input::{self, LoadArguments, crease_angle};
+use crate::io::input::{self, LineArguments, LoadArguments, crease_angle};
 use crate::io::output::Output;
 use crate::io::say;
 use crate::view::{self, ViewArguments};
@@ -109,6 +109,9 @@ struct RenderArguments {
     /// Draw lines instead of filled triangles; "--wireframe=false" if the scene asks for lines.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     wireframe: Option<bool>,
+
+    #[command(flatten)]
+    lines: LineArguments,
 
     /// Show the control points as blue squares; "--control-points=false" hides them.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]

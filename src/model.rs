@@ -34,7 +34,7 @@ pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
 pub(crate) use import::ENDED;
 pub use import::{ImportOptions, find_helper, import, is_cad_file};
 pub use instances::Instance;
-pub use joints::{Beside, Joint, JointPiece};
+pub use joints::{Beside, Joint, JointKind, JointPiece};
 pub(crate) use joints::{Border, JointCurve, JointSurface};
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.

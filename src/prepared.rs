@@ -12,6 +12,7 @@ pub use multisample::sample_offsets;
 use crate::error::Result;
 use crate::gpu::Texture;
 use crate::model::Joint;
+use crate::model::JointKind;
 use crate::parallel;
 use crate::programs::Output;
 use crate::renderer::{
@@ -53,10 +54,10 @@ impl PreparedScene {
         };
         let mut surfaces = Vec::with_capacity(scene.surfaces.len());
         let mut draw_list = DrawList::default();
-        let mut joints = Vec::new();
+        let mut strokes = Strokes::default();
         if !scene.surfaces.is_empty() {
             let Neighbours { table, centerings, raised } = neighbours(scene);
-            joints = all_joints(scene, &table);
+            strokes = Strokes::new(all_joints(scene, &table));
             let mut points = Vec::with_capacity(scene.surfaces.len());
             for ((surface, raised), centering) in scene.surfaces.iter().zip(&raised).zip(centerings)
             {
@@ -88,13 +89,12 @@ impl PreparedScene {
                     raised,
                 )?);
             }
-            draw_list = DrawList::of_neighbours(table, &surfaces, !joints.is_empty());
+            draw_list = DrawList::of_neighbours(table, &surfaces, strokes.close_gaps());
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
             meshes.push(PreparedMesh::new(gl, model, |paint| texture(paint, true))?);
         }
-        let strokes = Strokes::new(joints);
         Ok(Self { surfaces, meshes, draw_list, strokes, stats: FrameStats::default() })
     }
 
@@ -107,8 +107,7 @@ impl PreparedScene {
         let (surfaces, draw_list) = (&mut self.surfaces, &mut self.draw_list);
         let mut stats = renderer.draw_surfaces(surfaces, draw_list, frame, output)?;
         self.strokes.update(renderer, surfaces, frame, draw_list.state())?;
-        renderer.draw_strokes(&self.strokes, frame, output)?;
-        stats.draws += self.strokes.draws();
+        stats.draws += renderer.draw_strokes(&self.strokes, frame, output)?;
         for mesh in &mut self.meshes {
             mesh.update(renderer, frame)?;
             renderer.draw_mesh(mesh, frame, output, stats.patches, None)?;
@@ -193,6 +192,7 @@ fn all_joints(scene: &Scene, table: &EdgeTable) -> Vec<SurfaceJoint> {
             number,
             surfaces,
             patches: [0, 1].map(|i| firsts[surfaces[i]] + patches[i]),
+            closes_gap: true,
             made_for: Some(surfaces.map(|surface| scene.surfaces[surface].transform)),
         }
     }));
@@ -205,7 +205,7 @@ fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
     let mut surfaces: HashMap<(usize, usize), usize> = HashMap::new();
     let mut joints_of: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
     for (number, surface) in scene.surfaces.iter().enumerate() {
-        if let Some(face) = surface.face.filter(|_| surface.join) {
+        if let Some(face) = surface.face {
             surfaces.insert((face.model, face.instance), number);
         }
     }
@@ -216,10 +216,7 @@ fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
     }
     let mut found = Vec::new();
     for (number, surface) in scene.surfaces.iter().enumerate() {
-        let Some(FaceOfModel { model, face, instance }) = surface.face.filter(|_| surface.join)
-        else {
-            continue;
-        };
+        let Some(FaceOfModel { model, face, instance }) = surface.face else { continue };
         for joint in joints_of.get(&(model, face)).into_iter().flatten() {
             let joints = &scene.models[model].joints;
             // The faces of a product are numbered alike in all of its places.
@@ -230,6 +227,8 @@ fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
                 number: *joint,
                 surfaces: [number, *other],
                 patches: [number, *other].map(|surface| firsts[surface]),
+                closes_gap: joints[*joint].kind != JointKind::Open
+                    && [number, *other].iter().all(|surface| scene.surfaces[*surface].join),
                 made_for: None,
             }));
         }

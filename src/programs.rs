@@ -160,10 +160,12 @@ pub enum Pipeline {
     },
     /// Triangles tessellated in advance, with the fragment stage of a method.
     Static(Method),
-    /// Strokes along the joints of faces, with that many samples per pixel.
+    /// Strokes along the edges of faces.
     Strokes {
         /// Samples per pixel of the target.
         samples: u32,
+        /// Whether they are lines on top of the faces.
+        lines: bool,
     },
     /// Control points, drawn as squares.
     Points,
@@ -406,7 +408,7 @@ impl Sources {
     /// The driver rejects a shader or the program. Errors of the compiler name file and line.
     pub fn link(&self, gl: &Gl, key: ProgramKey) -> Result<Program> {
         let samples = match key.pipeline {
-            Pipeline::Exact { samples, .. } | Pipeline::Strokes { samples }
+            Pipeline::Exact { samples, .. } | Pipeline::Strokes { samples, .. }
                 if key.output != Output::Aovs =>
             {
                 samples
@@ -443,6 +445,9 @@ impl Sources {
                 ("DEGENERATE", patches == PatchKind::Degenerate),
                 ("PIXEL_NORMALS", facts.pixel_normals),
             ]);
+        }
+        if let Pipeline::Strokes { lines, .. } = key.pipeline {
+            on.push(("LINES", lines));
         }
         if let Pipeline::Triangles { phong, colored } = key.pipeline {
             on.extend([("PHONG_TESSELLATION", phong), ("COLORED", colored)]);

@@ -5,7 +5,7 @@
 //! `raised.rs` makes neighbours of patches whose common edge has two degrees. `square_nets.rs` brings patches of any
 //! degree to the sizes that the bound knows. `normal_cone.rs` bounds the directions of normals. `plan.rs` combines
 //! these once per frame. `triangle.rs` bounds the error of meshes' smooth triangles. `strokes.rs` covers
-//! the gaps between surfaces that meet.
+//! the gaps between surfaces that meet, and draws the edges of CAD models.
 
 mod bound;
 mod disjoint_sets;
@@ -28,7 +28,7 @@ pub(crate) use plan::{Lists, Plan, SubPatch, SurfacePatches, TrimmedList, raise}
 pub(crate) use raised::{Raised, raised};
 pub(crate) use square_nets::SquareNets;
 pub(crate) use strokes::{
-    LEFT_TO_FACES, PlacedJoint, SEGMENT_TEXELS, StrokeSegment, StrokeSide, StrokeView,
+    LEFT_TO_FACES, PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokeSegment, StrokeSide, StrokeView,
 };
 pub(crate) use sub_patches::{DrawSize, Split, Tessellated, patches_of_next_draw};
 pub(crate) use surface_trims::SurfaceTrims;

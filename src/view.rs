@@ -41,7 +41,7 @@ use std::path::PathBuf;
 use crate::io::Result;
 use clap::Args;
 
-use crate::io::input::LoadArguments;
+use crate::io::input::{LineArguments, LoadArguments};
 use crate::io::say;
 
 /// The arguments of `freeform view`.
@@ -54,6 +54,9 @@ pub(crate) struct ViewArguments {
 
     #[command(flatten)]
     load: LoadArguments,
+
+    #[command(flatten)]
+    lines: LineArguments,
 
     /// Read and show the scene again whenever its file or a file that it names changes; the camera stays.
     #[arg(long)]

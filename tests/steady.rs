@@ -11,8 +11,8 @@ use std::sync::atomic::{AtomicPtr, AtomicUsize, Ordering::Relaxed};
 
 use freeform_surface::inspect::TrimGrid;
 use freeform_surface::{
-    CreaseAngle, Frame, Framebuffer, Gl, Mesh, MeshModel, PreparedScene, Renderer, Scene, Segment,
-    Smoothing, TessLevel, Tessellation, Tolerance, TrimLoop,
+    CreaseAngle, Edges, Frame, Framebuffer, Gl, Mesh, MeshModel, PreparedScene, Renderer, Scene,
+    Segment, Smoothing, TessLevel, Tessellation, Tolerance, TrimLoop,
 };
 use glam::{DMat4, DVec2, DVec4, dvec2, dvec3};
 
@@ -200,5 +200,22 @@ fn a_still_scene_of_a_thousand_trimmed_surfaces_and_a_mesh_builds_uploads_and_al
     }
     assert!(triangles(&mut pulled) > 2 * first, "{first}");
     assert_eq!(ROOMS.load(Relaxed), rooms);
+    // The strokes and lines along the edges of a CAD model are uploaded for a new view only.
+    let mut model = load(&root().join("resources/models/bracket.ffm"));
+    model.settings.edges = Some(Edges::default());
+    let mut lined = PreparedScene::new(&renderer, &model).unwrap();
+    let mut of_view = |lined: &mut PreparedScene, size: u32| {
+        let before = [&ALLOCATIONS, &UPLOADS].map(|count| count.load(Relaxed));
+        let _ = lined.draw(&mut renderer, &Frame::of(&model, (size, 64))).unwrap();
+        [ALLOCATIONS.load(Relaxed) - before[0], UPLOADS.load(Relaxed) - before[1]]
+    };
+    let _ = of_view(&mut lined, 64);
+    let [_, uploads] = of_view(&mut lined, 64);
+    assert_eq!(uploads, 0);
+    // Sub-patches, matrices, strokes, lines.
+    let [_, uploads] = of_view(&mut lined, 60);
+    assert!((3..=4).contains(&uploads), "{uploads}");
+    let [_, uploads] = of_view(&mut lined, 60);
+    assert_eq!(uploads, 0);
     assert!(TrimGrid::new(&prepared.surfaces_mut()[500].surface().trims).pieces().len() >= 12);
 }

@@ -1,5 +1,5 @@
 // A segment of a stroke: the samples within half a width of it, as part of the face on their side of it. The depth is
-// that of the plane of the face, shifted a little (src/tessellation/strokes.rs).
+// that of the plane of the face, shifted a little (src/tessellation/strokes.rs). With LINES, a segment of a line.
 
 layout(binding = 8) uniform samplerBuffer strokes;
 
@@ -22,7 +22,11 @@ out vec4 fragmentColor;
 #endif
 
 // The largest difference in distance from the edge, as a multiple of that on the screen.
+#ifdef LINES
+const float STEEPEST = 64.0;
+#else
 const float STEEPEST = 8.0;
+#endif
 
 // The share of the segment that lies before the point nearest to a place, and the squared distance from that point; more
 // than the reach of the stroke where it does not draw.
@@ -47,8 +51,10 @@ void main()
     for (int i = 0; i < SAMPLES; ++i)
         if (nearest(ends, shape, interpolateAtSample(place, i)).y <= reach)
             kept |= 1 << i;
+#ifndef LINES // whose depth has derivatives
     if (kept == 0)
         discard;
+#endif
     gl_SampleMask[0] = kept;
     vec2 at = nearest(ends, shape, place);
 #else
@@ -102,5 +108,9 @@ void main()
 #endif
 #endif
     depth += shape.w * halfWidth * pixel;
+#if defined(LINES) && SAMPLES > 1
+    // The samples of the pixel share this depth, those of the face do not: the face is nowhere in front.
+    depth -= min(0.5 * fwidth(depth), STEEPEST * pixel);
+#endif
     gl_FragDepth = clamp((depthTerms.x * depth + depthTerms.y) / (depthTerms.z * depth + depthTerms.w), 0.0, 1.0);
 }

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::{Error, Result};
 use clap::Args;
-use freeform_surface::{Cause, CreaseAngle, LoadOptions, Scene, UpAxis};
+use freeform_surface::{Cause, CreaseAngle, LoadOptions, RenderSettings, Scene, UpAxis};
 
 /// The name of standard input on the command line.
 const STANDARD: &str = "-";
@@ -30,6 +30,24 @@ pub(crate) struct LoadArguments {
     /// How long the reader of STEP, IGES and BREP files may take, in seconds.
     #[arg(long, value_name = "S", default_value_t = 120)]
     import_timeout: u64,
+}
+
+/// Options for lines on surfaces; they override the scenes' own settings.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct LineArguments {
+    /// Draw the edges of CAD models as lines, as the scene says or else nearly black; "--edges=false" if the scene asks
+    /// for them.
+    #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    edges: Option<bool>,
+}
+
+impl LineArguments {
+    /// Changes the settings of a scene.
+    pub(crate) fn apply(self, settings: &mut RenderSettings) {
+        if let Some(shown) = self.edges {
+            settings.edges = shown.then(|| settings.edges.unwrap_or_default());
+        }
+    }
 }
 
 fn up_axis(text: &str) -> Result<UpAxis, String> {

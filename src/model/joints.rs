@@ -1,5 +1,5 @@
-//! Joints: curves along which two faces of a model, or two surfaces of a scene, meet, with what each is like there. The
-//! renderer closes the gap between the two along them.
+//! Joints: curves along which two faces of a model, or two surfaces of a scene, meet, or a face ends, with what each is
+//! like there. The renderer closes the gap between the two along them, and draws edges of models as lines.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_8;
@@ -7,17 +7,20 @@ use std::f64::consts::FRAC_PI_8;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::projection::nearest_on;
-use super::{BoundedCurve, Curve, DrawnEdge, DrawnFace, Model};
+use super::{BoundedCurve, Curve, DrawnEdge, DrawnFace, Model, SMOOTH_DEGREES};
 use crate::bezier::SurfacePoint;
 use crate::error::Result;
 use crate::parallel;
 
-/// An edge where two faces meet, or one face meets itself; or a curve along which two surfaces of a scene meet.
+/// An edge where two faces meet, where one face meets itself, or where a face ends; or a curve along which two surfaces of
+/// a scene meet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Joint {
     /// The number of the edge in the model. For surfaces of a scene: the number of the joint.
     pub edge: usize,
-    /// The numbers of the two faces, or surfaces.
+    /// What meets along it.
+    pub kind: JointKind,
+    /// The numbers of the two faces, or surfaces; an open edge has the same one twice.
     pub faces: [usize; 2],
     /// On which side each face lies if one looks along the curve and against its normal: 1 to the left, −1 to the
     /// right.
@@ -26,6 +29,19 @@ pub struct Joint {
     pub pieces: Vec<JointPiece>,
     /// The largest distance between the pieces and the border of either face, by samples.
     pub gap: f64,
+}
+
+/// What meets along an edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum JointKind {
+    /// One face with nothing.
+    Open,
+    /// A face with itself.
+    Seam,
+    /// Two faces with the same tangent planes, within [`SMOOTH_DEGREES`] everywhere.
+    Smooth,
+    /// Two faces at an angle.
+    Sharp,
 }
 
 /// A part of a joint.
@@ -59,7 +75,8 @@ const PLACES: u32 = 4;
 
 impl Model {
     /// The joints of the faces that are drawn, in the order of their edges. `faces` are [`Model::drawn_faces`], and
-    /// `diagonal` is [`Model::diagonal`]. An edge of more than two faces has a joint for each but the first.
+    /// `diagonal` is [`Model::diagonal`]. An edge of more than two faces has a joint for each but the first; an edge of
+    /// only one of these faces is open.
     #[must_use]
     pub fn joints(&self, faces: &[Result<DrawnFace>], diagonal: f64) -> Vec<Joint> {
         let mut uses: BTreeMap<usize, Vec<(usize, &DrawnEdge)>> = BTreeMap::new();
@@ -70,19 +87,24 @@ impl Model {
         }
         let pairs: Vec<_> = uses
             .values()
-            .flat_map(|uses| uses.iter().skip(1).map(move |other| [uses[0], *other]))
+            .flat_map(|uses| {
+                let others = if uses.len() == 1 { &uses[..] } else { &uses[1..] };
+                others.iter().map(|other| (uses.len() == 1, [uses[0], *other]))
+            })
             .collect();
         let joints = parallel::map(pairs.len(), |number| {
-            let borders = pairs[number].map(|(face, edge)| {
+            let (is_open, pair) = pairs[number];
+            let borders = pair.map(|(face, edge)| {
                 let drawn = faces[face].as_ref().ok()?;
                 let curve = self.edges[edge.edge].curve.as_ref()?;
                 Border::new(drawn, edge, curve, FITTED * diagonal)
             });
             let [Some(one), Some(other)] = borders else { return None };
-            let [(one_face, edge), (other_face, _)] = pairs[number];
+            let [(one_face, edge), (other_face, _)] = pair;
             let curve = self.edges[edge.edge].curve.as_ref()?;
             let faces = [one_face, other_face];
-            Some(Joint::new(edge.edge, faces, curve, [&one, &other], diagonal))
+            let joint = Joint::new(edge.edge, faces, curve, [&one, &other], diagonal);
+            Some(if is_open { Joint { kind: JointKind::Open, ..joint } } else { joint })
         });
         joints.into_iter().flatten().collect()
     }
@@ -97,9 +119,14 @@ impl Joint {
         borders: [&Border<'_>; 2],
         diagonal: f64,
     ) -> Self {
-        let (pieces, fitted) = pieces(curve, borders, FITTED * diagonal);
-        let gap = borders[0].gap.max(borders[1].gap) + fitted;
-        Self { edge, faces, sides: borders.map(|border| border.side), pieces, gap }
+        let Fit { pieces, largest, is_smooth, .. } = Fit::new(curve, borders, FITTED * diagonal);
+        let kind = match (faces[0] == faces[1], is_smooth) {
+            (true, _) => JointKind::Seam,
+            (_, true) => JointKind::Smooth,
+            _ => JointKind::Sharp,
+        };
+        let gap = borders[0].gap.max(borders[1].gap) + largest;
+        Self { edge, kind, faces, sides: borders.map(|border| border.side), pieces, gap }
     }
 }
 
@@ -274,23 +301,30 @@ struct Fit<'a> {
     pieces: Vec<JointPiece>,
     /// The largest distance found.
     largest: f64,
+    /// Whether the faces have the same tangent planes at all places found.
+    is_smooth: bool,
 }
 
-/// The pieces of a curve, and their largest distance from it.
-fn pieces(
-    curve: &dyn JointCurve,
-    borders: [&Border<'_>; 2],
-    tolerance: f64,
-) -> (Vec<JointPiece>, f64) {
-    let mut fit = Fit { curve, borders, tolerance, pieces: Vec::new(), largest: 0.0 };
-    let places = curve.breaks().into_iter().map(|t| (t, fit.places(t))).collect::<Vec<_>>();
-    for ends in places.windows(2) {
-        fit.add(ends[0], ends[1], 0);
+impl<'a> Fit<'a> {
+    /// Fits the pieces of a curve.
+    fn new(curve: &'a dyn JointCurve, borders: [&'a Border<'a>; 2], tolerance: f64) -> Self {
+        let pieces = Vec::new();
+        let mut fit = Self { curve, borders, tolerance, pieces, largest: 0.0, is_smooth: true };
+        let places = curve.breaks().into_iter().map(|t| (t, fit.places(t))).collect::<Vec<_>>();
+        for ends in places.windows(2) {
+            fit.add(ends[0], ends[1], 0);
+        }
+        fit
     }
-    (fit.pieces, fit.largest)
-}
 
-impl Fit<'_> {
+    /// Whether the faces have the same tangent planes at a place of both, on opposite sides of the edge.
+    fn is_smooth_at(&self, [one, other]: [Place; 2]) -> bool {
+        let [one, other] = [one, other].map(|place| place.normal.as_dvec3());
+        let turned = -self.borders[0].side * self.borders[1].side * other;
+        let limit = 2.0 * (0.5 * SMOOTH_DEGREES.to_radians()).sin();
+        one == DVec3::ZERO || other == DVec3::ZERO || one.distance(turned) <= limit
+    }
+
     fn places(&self, t: f64) -> [Place; 2] {
         self.borders.map(|border| border.at(t))
     }
@@ -313,6 +347,8 @@ impl Fit<'_> {
         let is_fine = off <= self.tolerance && is_even(0) && is_even(1);
         if is_fine || halvings >= MAX_HALVINGS {
             self.largest = self.largest.max(off);
+            let places = [from.1, between, to.1];
+            self.is_smooth &= places.into_iter().all(|places| self.is_smooth_at(places));
             let beside = [0, 1].map(|i| self.borders[i].beside([from.1[i], between[i], to.1[i]]));
             let [start, end] = [0, 1].map(|end| beside.map(|of_face| of_face[end]));
             self.pieces.push(JointPiece { points, start, end });

@@ -41,7 +41,7 @@ impl PreparedScene {
             firsts.push(next);
             next += surface.patches().len();
         }
-        let has_strokes = self.strokes.draws() > 0;
+        let has_strokes = self.strokes.closed_gaps();
         if !has_strokes && surfaces.clone().all(|surface| surface.nurbs().is_none()) {
             return;
         }

@@ -1,4 +1,4 @@
-//! Strokes along the joints of faces, which close the gaps between the faces.
+//! Strokes along the joints of faces: those that close the gaps between the faces, and lines.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
 use std::ops::Range;
@@ -14,11 +14,13 @@ use super::{Frame, Renderer, set_aovs};
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{TexelBuffer, samples_of_target};
-use crate::model::Joint;
+use crate::model::{Joint, JointKind};
 use crate::parallel;
 use crate::programs::{Output, Pipeline, ProgramKey, STROKES_UNIT, TrimFeatures, location};
-use crate::scene::{Method, Paint, Shading, Tessellation};
-use crate::tessellation::{PlacedJoint, SEGMENT_TEXELS, StrokeSegment, StrokeSide, StrokeView};
+use crate::scene::{Edges, Method, Paint, Shading, Tessellation};
+use crate::tessellation::{
+    PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokeSegment, StrokeSide, StrokeView,
+};
 
 /// The error of `f32` in a face's border, as a share of the size of its control points' box: that of the points and of
 /// the trims.
@@ -28,35 +30,65 @@ const GROUP: usize = 64;
 /// Joints that a thread takes at once.
 const TOGETHER: usize = 128;
 
-/// A joint of two surfaces of a scene.
+/// A joint of surfaces of a scene.
 #[derive(Debug)]
 pub(crate) struct SurfaceJoint {
     /// The joints of its model, or of all surfaces without a model.
     pub(crate) joints: Arc<[Joint]>,
     /// Its number among them.
     pub(crate) number: usize,
-    /// The numbers of the surfaces.
+    /// The numbers of the surfaces; the same one twice if a surface ends there.
     pub(crate) surfaces: [usize; 2],
     /// A patch of each among the patches of all surfaces.
     pub(crate) patches: [usize; 2],
+    /// Whether the gap between the surfaces is to be closed.
+    pub(crate) closes_gap: bool,
     /// The transforms of the surfaces for which the joint was made in world space; `None`: it is in the space of both.
     pub(crate) made_for: Option<[DMat4; 2]>,
 }
 
-/// The joints of a scene and their strokes in the last view.
+/// The joints of a scene, and their strokes and lines in the last view.
 #[derive(Debug, Default)]
 pub(crate) struct Strokes {
     joints: Vec<SurfaceJoint>,
-    /// What the segments were made for: the view, and the state of the list of draws.
-    key: Option<(PlanKey, u64)>,
+    /// What closes the gaps between faces.
+    closing: Segments,
+    /// Lines along edges.
+    lines: Segments,
+}
+
+/// Segments in the driver's memory.
+#[derive(Debug, Default)]
+struct Segments {
+    /// What they were made for.
+    key: Option<SegmentsKey>,
     /// The segments of each shading model.
     runs: Vec<(Shading, Range<usize>)>,
     buffer: Option<TexelBuffer>,
 }
 
+/// What segments depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct SegmentsKey {
+    view: PlanKey,
+    /// The state of the list of draws.
+    state: u64,
+    edges: Option<Edges>,
+}
+
 impl Strokes {
     pub(crate) fn new(joints: Vec<SurfaceJoint>) -> Self {
         Self { joints, ..Self::default() }
+    }
+
+    /// Whether there are gaps to be closed, which needs a share of the tolerance.
+    pub(crate) fn close_gaps(&self) -> bool {
+        self.joints.iter().any(|joint| joint.closes_gap)
+    }
+
+    /// Whether the last view shows strokes that close gaps.
+    pub(crate) fn closed_gaps(&self) -> bool {
+        !self.closing.runs.is_empty()
     }
 
     /// Brings the segments up to date with the surfaces, whose state has the number `state`, and the frame.
@@ -71,23 +103,58 @@ impl Strokes {
         state: u64,
     ) -> Result<()> {
         let settings = &frame.settings;
-        let key = (PlanKey::new(frame, settings.tessellation), state);
-        if self.joints.is_empty() || self.key == Some(key) {
-            return Ok(());
+        let view = PlanKey::new(frame, settings.tessellation);
+        let key = SegmentsKey { view, state, edges: None };
+        let (joints, is_exact) = (&self.joints, settings.method == Method::Exact);
+        match settings.tessellation {
+            Tessellation::Within(tolerance) if is_exact && !settings.wireframe => {
+                let view = StrokeView::new(&frame.camera, key.view.size, tolerance.pixels());
+                self.closing.update(renderer, key, &view, || {
+                    joints.iter().filter_map(|joint| joint.placed(surfaces)).collect()
+                })?;
+            }
+            _ => self.closing.clear(),
         }
+        match &settings.edges {
+            Some(edges) if is_exact => {
+                let view = StrokeView::new(&frame.camera, key.view.size, 1.0);
+                let key = SegmentsKey { edges: settings.edges, ..key };
+                let off_faces = match settings.tessellation {
+                    Tessellation::Within(tolerance) => tolerance.pixels(),
+                    Tessellation::Level(_) => 1.0,
+                };
+                self.lines.update(renderer, key, &view, || {
+                    joints
+                        .iter()
+                        .filter_map(|joint| joint.line(surfaces, edges, off_faces))
+                        .collect()
+                })?;
+            }
+            _ => self.lines.clear(),
+        }
+        Ok(())
+    }
+}
+
+impl Segments {
+    fn clear(&mut self) {
         self.key = None;
         self.runs.clear();
-        let (Tessellation::Within(tolerance), Method::Exact, false) =
-            (settings.tessellation, settings.method, settings.wireframe)
-        else {
+    }
+
+    /// Makes the segments of joints, unless they are up to date.
+    fn update<'a>(
+        &mut self,
+        renderer: &Renderer,
+        key: SegmentsKey,
+        view: &StrokeView,
+        joints: impl FnOnce() -> Vec<(Shading, PlacedJoint<'a>)>,
+    ) -> Result<()> {
+        if self.key == Some(key) {
             return Ok(());
-        };
-        let view = StrokeView::new(&frame.camera, frame.viewport.pixels(), tolerance.pixels());
-        let shading_of = |joint: &SurfaceJoint| surfaces[joint.surfaces[0]].shading();
-        let mut placed: Vec<(Shading, PlacedJoint<'_>)> = Vec::with_capacity(self.joints.len());
-        for joint in &self.joints {
-            placed.extend(joint.placed(surfaces).map(|placed| (shading_of(joint), placed)));
         }
+        self.clear();
+        let placed = joints();
         let groups: Vec<&[_]> = placed.chunks(TOGETHER).collect();
         let of_groups = parallel::map(groups.len(), |number| {
             let mut segments: Vec<(Shading, StrokeSegment)> = Vec::new();
@@ -120,28 +187,79 @@ impl Strokes {
         self.key = Some(key);
         Ok(())
     }
-
-    /// The number of draws.
-    pub(crate) fn draws(&self) -> usize {
-        self.runs.len()
-    }
 }
 
 impl SurfaceJoint {
-    /// The joint in its place; `None` if a surface is hidden or no longer as the joint was made for.
-    fn placed<'a>(&'a self, surfaces: &'a [PreparedSurface]) -> Option<PlacedJoint<'a>> {
-        let [one, other] = self.surfaces.map(|number| &surfaces[number]);
-        let joint = &self.joints[self.number];
-        let is_whole =
-            |surface: &PreparedSurface| !surface.surface().hidden && !surface.is_reshaped();
-        let transforms = [one, other].map(|surface| surface.surface().transform);
-        let (transform, is_in_place) = match self.made_for {
-            Some(made_for) => (DMat4::IDENTITY, transforms == made_for),
-            None => (transforms[0], transforms[0] == transforms[1]),
-        };
-        if !is_whole(one) || !is_whole(other) || !is_in_place {
+    fn joint(&self) -> &Joint {
+        &self.joints[self.number]
+    }
+
+    /// The joint in its place, whose gap is to be closed; `None` if a surface is hidden or no longer as the joint was
+    /// made for.
+    fn placed<'a>(&'a self, surfaces: &'a [PreparedSurface]) -> Option<(Shading, PlacedJoint<'a>)> {
+        let shown = self.shown(surfaces)?;
+        if !self.closes_gap || shown != [true; 2] {
             return None;
         }
+        let scale = |of: DMat4| {
+            let axes = [of.x_axis, of.y_axis, of.z_axis];
+            axes.map(|axis| axis.length()).into_iter().fold(0.0, f64::max)
+        };
+        let [one, other] = self.surfaces.map(|number| &surfaces[number]);
+        let size = |of: &PreparedSurface| scale(of.surface().transform) * of.points_scale();
+        let gap = scale(self.transform(surfaces)) * self.joint().gap
+            + ROUNDING * size(one).max(size(other));
+        Some((one.shading(), self.with(surfaces, gap, None)))
+    }
+
+    /// The line along the joint.
+    fn line<'a>(
+        &'a self,
+        surfaces: &'a [PreparedSurface],
+        edges: &Edges,
+        off_faces: f64,
+    ) -> Option<(Shading, PlacedJoint<'a>)> {
+        // Surfaces without a model have no edges.
+        let is_drawn = self.made_for.is_none()
+            && match self.joint().kind {
+                JointKind::Open | JointKind::Sharp => true,
+                JointKind::Smooth => edges.smooth,
+                JointKind::Seam => false,
+            };
+        let shown = self.shown(surfaces).filter(|shown| is_drawn && *shown != [false; 2])?;
+        let half_width = 0.5 * edges.width.pixels();
+        let nearer = half_width + off_faces;
+        let line = StrokeLine { half_width, color: to_bytes(edges.color), nearer, shown };
+        Some((Shading::Unlit, self.with(surfaces, 0.0, Some(line))))
+    }
+
+    /// Which of the surfaces are drawn; `None` if one is no longer as the joint was made for.
+    fn shown(&self, surfaces: &[PreparedSurface]) -> Option<[bool; 2]> {
+        let [one, other] = self.surfaces.map(|number| &surfaces[number]);
+        let transforms = [one, other].map(|surface| surface.surface().transform);
+        let is_together = match self.made_for {
+            Some(made_for) => transforms == made_for,
+            None => transforms[0] == transforms[1],
+        };
+        let is_as_made = is_together && !one.is_reshaped() && !other.is_reshaped();
+        is_as_made.then(|| [one, other].map(|surface| !surface.surface().hidden))
+    }
+
+    /// From the space of the joint to world space.
+    fn transform(&self, surfaces: &[PreparedSurface]) -> DMat4 {
+        match self.made_for {
+            Some(_) => DMat4::IDENTITY,
+            None => surfaces[self.surfaces[0]].surface().transform,
+        }
+    }
+
+    fn with<'a>(
+        &'a self,
+        surfaces: &'a [PreparedSurface],
+        gap: f64,
+        line: Option<StrokeLine>,
+    ) -> PlacedJoint<'a> {
+        let joint = self.joint();
         let side = |i: usize| {
             let surface = &surfaces[self.surfaces[i]];
             StrokeSide {
@@ -155,23 +273,14 @@ impl SurfaceJoint {
                 side: joint.sides[i],
             }
         };
-        let scale = |of: DMat4| {
-            let axes = [of.x_axis, of.y_axis, of.z_axis];
-            axes.map(|axis| axis.length()).into_iter().fold(0.0, f64::max)
-        };
-        let size = (scale(transforms[0]) * one.points_scale())
-            .max(scale(transforms[1]) * other.points_scale());
-        Some(PlacedJoint {
-            pieces: &joint.pieces,
-            transform,
-            sides: [side(0), side(1)],
-            gap: scale(transform) * joint.gap + ROUNDING * size,
-        })
+        let transform = self.transform(surfaces);
+        PlacedJoint { pieces: &joint.pieces, transform, sides: [side(0), side(1)], gap, line }
     }
 }
 
 impl Renderer {
-    /// Draws the strokes of an up-to-date list.
+    /// Draws what an up-to-date list has for an output: the strokes that close gaps, and on pictures the lines. Returns
+    /// the number of draws.
     ///
     /// # Errors
     /// A shader that the driver rejects.
@@ -180,14 +289,30 @@ impl Renderer {
         strokes: &Strokes,
         frame: &Frame,
         output: Output,
+    ) -> Result<usize> {
+        self.draw_segments(&strokes.closing, frame, output, false)?;
+        let is_picture = output == Output::Picture;
+        if is_picture {
+            self.draw_segments(&strokes.lines, frame, output, true)?;
+        }
+        let lines = if is_picture { strokes.lines.runs.len() } else { 0 };
+        Ok(strokes.closing.runs.len() + lines)
+    }
+
+    fn draw_segments(
+        &mut self,
+        segments: &Segments,
+        frame: &Frame,
+        output: Output,
+        lines: bool,
     ) -> Result<()> {
-        let Some(buffer) = strokes.buffer.as_ref().filter(|_| strokes.key.is_some()) else {
+        let Some(buffer) = segments.buffer.as_ref().filter(|_| segments.key.is_some()) else {
             return Ok(());
         };
         let samples = samples_of_target(self.gl());
-        for (shading, run) in &strokes.runs {
+        for (shading, run) in &segments.runs {
             let program = self.program(ProgramKey {
-                pipeline: Pipeline::Strokes { samples },
+                pipeline: Pipeline::Strokes { samples, lines },
                 shading: *shading,
                 trims: TrimFeatures::NONE,
                 output,

@@ -14,13 +14,13 @@ use toml::Spanned;
 use super::file::{extension, line_of, read_text, unreadable};
 use super::surface::check_transform;
 use super::tables::{
-    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, RenderTable,
-    ShadingName, SmoothingName, SurfaceTable,
+    CameraTable, ControlPoints, CullName, DVec3Value, Document, EdgesTable, EdgesValue, KeepName,
+    MeshTable, RenderTable, ShadingName, SmoothingName, SurfaceTable,
 };
 use super::{
-    Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, RenderSettings, Samples, Scene,
-    Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint, bpt, default_control_points,
-    load_texture, obj,
+    Cull, Edges, Image, Light, LineWidth, LoadOptions, MeshModel, Method, Paint, RenderSettings,
+    Samples, Scene, Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint, bpt,
+    default_control_points, load_texture, obj,
 };
 use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
 use crate::camera::{Camera, Lens};
@@ -415,6 +415,9 @@ fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stage> {
     if let Some(normals) = table.normals {
         settings.normals = builder.check(normals, |name| name.parse())?;
     }
+    if let Some(edges) = table.edges {
+        settings.edges = builder.check(edges, edges_of)?;
+    }
     if let Some(newton) = table.newton {
         settings.newton = builder.check(newton, |table| {
             let default = Newton::default();
@@ -427,6 +430,18 @@ fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stage> {
     let up = table.up.map(|up| builder.check(up, |name| name.parse())).transpose()?;
     let light = table.light.map(|light| builder.check(light, |name| name.parse())).transpose()?;
     Ok(Stage { settings, up, light })
+}
+
+fn edges_of(value: EdgesValue) -> Result<Option<Edges>> {
+    let default = Edges::default();
+    match value {
+        EdgesValue::Shown(shown) => Ok(shown.then_some(default)),
+        EdgesValue::As(EdgesTable { width, color, smooth }) => Ok(Some(Edges {
+            width: width.map_or(Ok(default.width), LineWidth::new)?,
+            color: unit_range("color", color.unwrap_or(default.color))?,
+            smooth,
+        })),
+    }
 }
 
 fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {

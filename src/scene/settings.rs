@@ -30,6 +30,8 @@ pub struct RenderSettings {
     pub red_lines: bool,
     /// Control points as blue squares on top.
     pub control_points: bool,
+    /// Lines along the edges of CAD models, by the exact method.
+    pub edges: Option<Edges>,
     /// When Newton's method stops, for the thesis' method.
     pub newton: Newton,
 }
@@ -46,6 +48,7 @@ impl Default for RenderSettings {
             wireframe: false,
             red_lines: false,
             control_points: false,
+            edges: None,
             newton: Newton::default(),
         }
     }
@@ -188,6 +191,57 @@ impl std::str::FromStr for Normals {
             "pixel" => Ok(Self::Pixel),
             _ => Err(Error::invalid("normals", format!("\"{name}\""), "\"vertex\" or \"pixel\"")),
         }
+    }
+}
+
+/// How the edges of CAD models are drawn: those of one face, those of two faces at an angle, but no seam, where a face
+/// meets itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edges {
+    /// The width of the lines.
+    pub width: LineWidth,
+    /// Red, green and blue, each 0 … 1.
+    pub color: [f32; 3],
+    /// Whether edges of two faces with the same tangent planes are drawn too
+    /// ([`SMOOTH_DEGREES`](crate::model::SMOOTH_DEGREES)).
+    pub smooth: bool,
+}
+
+impl Default for Edges {
+    /// Nearly black, without smooth edges.
+    fn default() -> Self {
+        Self { width: LineWidth::default(), color: [0.05, 0.05, 0.08], smooth: false }
+    }
+}
+
+/// The width of a line in pixels: from 0.1 to 100.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+pub struct LineWidth(f64);
+
+impl LineWidth {
+    /// A width in pixels.
+    ///
+    /// # Errors
+    /// Anything outside 0.1 … 100.
+    pub fn new(pixels: f64) -> Result<Self> {
+        if (0.1..=100.0).contains(&pixels) {
+            Ok(Self(pixels))
+        } else {
+            Err(Error::invalid("width", pixels, "a number of pixels from 0.1 to 100"))
+        }
+    }
+
+    /// The number of pixels.
+    #[must_use]
+    pub const fn pixels(self) -> f64 {
+        self.0
+    }
+}
+
+impl Default for LineWidth {
+    /// One and a half pixels.
+    fn default() -> Self {
+        Self(1.5)
     }
 }
 

@@ -52,7 +52,25 @@ pub(super) struct RenderTable {
     pub(super) wireframe: bool,
     pub(super) red_lines: bool,
     pub(super) control_points: bool,
+    pub(super) edges: Option<Spanned<EdgesValue>>,
     pub(super) newton: Option<Spanned<NewtonTable>>,
+}
+
+/// Whether edges are drawn, or how.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected true, false or a table of width, color and smooth")]
+pub(super) enum EdgesValue {
+    Shown(bool),
+    As(EdgesTable),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct EdgesTable {
+    pub(super) width: Option<f64>,
+    pub(super) color: Option<[f32; 3]>,
+    #[serde(default)]
+    pub(super) smooth: bool,
 }
 
 #[derive(Deserialize)]

@@ -14,7 +14,7 @@ use image::ImageFormat;
 use super::document::{MAX_PATCH_POINTS, check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
-    CadModel, Cull, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene,
+    CadModel, Cull, Edges, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene,
     Shading, Surface, Tessellation, bpt, default_control_points, load_texture, obj, svg,
 };
 use crate::bezier::Degree;
@@ -120,6 +120,7 @@ impl Writer<'_> {
             wireframe,
             red_lines,
             control_points,
+            edges,
             newton,
         } = settings;
         self.header("[render]");
@@ -149,6 +150,12 @@ impl Writer<'_> {
         self.line("wireframe", wireframe);
         self.line("red_lines", red_lines);
         self.line("control_points", control_points);
+        if let Some(Edges { width, color, smooth }) = edges {
+            let width = width.pixels();
+            let table =
+                format_args!("{{ width = {width:?}, color = {color:?}, smooth = {smooth} }}");
+            self.line("edges", table);
+        }
         let (iterations, epsilon) = (newton.iterations(), newton.epsilon());
         self.line("newton", format_args!("{{ iterations = {iterations}, epsilon = {epsilon:?} }}"));
     }

@@ -1,6 +1,8 @@
 //! Strokes: joints as line segments of a certain width on the screen. All points of the screen within
 //! half a width of a segment are drawn, as part of one of the two faces.
 //!
+//! The same segments draw an edge as a line of a given width and colour. A line lies in front of its faces.
+//!
 //! Why no sample between two faces stays empty: each face's border, as it is drawn, is nowhere further from the edge
 //! than the error of the face's triangles plus the distance of its border from the edge. Half of a stroke's width is the
 //! larger of the two sums plus the distance of its segments from the edge. Where the borders of both faces pass the same
@@ -33,6 +35,8 @@ const CLEARLY: f64 = 0.1;
 const PICTURED: f64 = 4.0;
 /// How often a piece of an edge is halved at most.
 const MAX_HALVINGS: u32 = 40;
+/// The number of pixels that the segments of a line may be off its edge.
+const OFF_LINE: f64 = 1.0 / 32.0;
 
 /// A segment of a stroke, as `exact/stroke.vert` fetches it.
 #[repr(C)]
@@ -44,7 +48,7 @@ pub(crate) struct StrokeSegment {
     depths: Vec2,
     /// Half of the width in pixels; negative if only the left side is drawn.
     half_width: f32,
-    /// How much farther than the faces' planes it is drawn, as a share of half of the width.
+    /// How much farther than the faces' planes it is drawn, as a share of half of the width. Lines are drawn nearer.
     behind: f32,
     /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
     /// colour, the normal at the end and the number of a patch. The same for the face to the right.
@@ -101,6 +105,20 @@ pub(crate) struct PlacedJoint<'a> {
     pub(crate) sides: [StrokeSide<'a>; 2],
     /// The largest distance of the faces' borders from the pieces in world units, with the error of `f32`.
     pub(crate) gap: f64,
+    /// What is drawn instead of what closes the gap.
+    pub(crate) line: Option<StrokeLine>,
+}
+
+/// How a line along a joint is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct StrokeLine {
+    /// Half of the width in pixels.
+    pub(crate) half_width: f64,
+    pub(crate) color: [u8; 3],
+    /// How much nearer than the faces' planes it lies: by the width of so many pixels there.
+    pub(crate) nearer: f64,
+    /// Which of the two faces are seen.
+    pub(crate) shown: [bool; 2],
 }
 
 /// How a camera sees points of view space.
@@ -205,15 +223,23 @@ impl StrokeView {
         let bend = part.bend();
         let is_in_front = nearest - bend > self.near;
         let px = self.px_per_unit(if is_in_front { nearest - bend } else { self.near });
-        let half_width = |error: f64| LEAST + faces_error + error + joint.gap * px;
-        if is_in_front && self.is_outside(&part.points, half_width(OFF_EDGE * self.tolerance)) {
+        let (off_edge, gap) = match joint.line {
+            Some(_) => (OFF_LINE, 0.0),
+            None => (OFF_EDGE * self.tolerance, joint.gap),
+        };
+        let half_width = |error: f64| match joint.line {
+            Some(line) => line.half_width,
+            None => LEAST + faces_error + error + gap * px,
+        };
+        if is_in_front && self.is_outside(&part.points, half_width(off_edge)) {
             return;
         }
         // The width is that of the nearest place; far from it, it may be too much.
         let error = bend * px;
-        let excess = joint.gap * (px - self.px_per_unit(farthest));
-        let is_straight = error + excess <= OFF_EDGE * self.tolerance;
-        let is_pictured = joint.sides.iter().any(|side| side.picture.is_some());
+        let excess = gap * (px - self.px_per_unit(farthest));
+        let is_straight = error + excess <= off_edge;
+        let is_pictured =
+            joint.line.is_none() && joint.sides.iter().any(|side| side.picture.is_some());
         let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
         if (is_straight && is_short) || halvings >= MAX_HALVINGS {
             let clipped = if is_in_front { Some(part) } else { part.beyond(self.near) };
@@ -266,6 +292,9 @@ impl StrokeView {
                 * self.half;
             (on_screen.dot(left), -into.z)
         });
+        if let Some(line) = &joint.line {
+            return self.line(line, part, steps);
+        }
         let [(a, a_farther), (b, b_farther)] = steps;
         let is_clear = a.abs().min(b.abs()) > CLEARLY * self.magnification;
         let is_fold = (a < 0.0) == (b < 0.0);
@@ -292,10 +321,10 @@ impl StrokeView {
         let half_width = if is_fold && is_clear { -half_width } else { half_width };
         let face = |face: usize| {
             let [start, end] = ends.map(|(_, end)| end.shares[face]);
-            let [red, green, blue] = joint.sides[face].color_at(start.midpoint(end))?;
+            let color = joint.sides[face].color_at(start.midpoint(end))?;
             Some(StrokeFace {
                 start: ends[0].1.normals[face].as_vec3(),
-                color: (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue),
+                color: packed(color),
                 end: ends[1].1.normals[face].as_vec3(),
                 patch: joint.sides[face].patch as f32,
             })
@@ -312,6 +341,46 @@ impl StrokeView {
         };
         places.iter().all(|place| place.is_finite()).then_some(segment)
     }
+}
+
+impl StrokeView {
+    /// The straight segment of a part of a line. `steps` are, for each face, how far a step into it goes to the left on
+    /// the screen, and how much further away.
+    fn line(
+        &self,
+        line: &StrokeLine,
+        part: &Part,
+        steps: [(f64, f64); 2],
+    ) -> Option<StrokeSegment> {
+        let ends = [(part.points[0], part.ends[0]), (part.points[3], part.ends[1])];
+        let side = |is_left: bool| {
+            let on_side = |face: &usize| line.shown[*face] && (steps[*face].0 >= 0.0) == is_left;
+            let nearer = |one: &usize, other: &usize| {
+                let [one, other] = [steps[*one], steps[*other]];
+                (one.1 * other.0.abs()).total_cmp(&(other.1 * one.0.abs()))
+            };
+            let face = (0..2).filter(on_side).min_by(nearer);
+            // Without a face, the line has the depth of the edge.
+            let normal = |end: End| face.map_or(Vec3::ZERO, |face| end.normals[face].as_vec3());
+            let [start, end] = ends.map(|(_, end)| normal(end));
+            StrokeFace { start, color: packed(line.color), end, patch: 0.0 }
+        };
+        let places = ends.map(|(point, _)| self.place(point));
+        let segment = StrokeSegment {
+            ends: places.map(DVec2::as_vec2),
+            depths: DVec2::new(-ends[0].0.z, -ends[1].0.z).as_vec2(),
+            half_width: line.half_width as f32,
+            behind: (-line.nearer / line.half_width) as f32,
+            faces: [side(true), side(false)],
+            shares: [[Vec2::ZERO; 2]; 2],
+        };
+        places.iter().all(|place| place.is_finite()).then_some(segment)
+    }
+}
+
+/// A colour as one number.
+fn packed([red, green, blue]: [u8; 3]) -> f32 {
+    (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue)
 }
 
 /// An end of a part of an edge.

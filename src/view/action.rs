@@ -18,6 +18,8 @@ pub(crate) enum Action {
     SmallerTolerance,
     /// Wireframe and control points on or off.
     Wireframe,
+    /// Lines along the edges of CAD models on or off.
+    Edges,
     /// A kind of trims on or off.
     Trim(TrimKind),
     /// Switches to the other method.
@@ -166,6 +168,10 @@ pub(crate) const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[(letter('w'), Action::Wireframe)],
         help: "wireframe: red lines, blue control points",
+    },
+    Binding {
+        keys: &[(letter('o'), Action::Edges)],
+        help: "outlines: edges of CAD models on, off",
     },
     Binding { keys: &[(letter('c'), Action::Trim(TrimKind::Circle))], help: "circle on, off" },
     Binding { keys: &[(letter('i'), Action::Trim(TrimKind::Rect))], help: "interval on, off" },

@@ -22,7 +22,7 @@ use super::screen::Screen;
 use super::state::{Message, Request, State};
 use super::watch::Watch;
 use super::{ViewArguments, files, input, panel};
-use crate::io::input::LoadArguments;
+use crate::io::input::{LineArguments, LoadArguments};
 use crate::io::output::{Output, replace};
 
 /// A file and a hash of its contents.
@@ -57,7 +57,7 @@ const POLL: Duration = Duration::from_millis(30);
 /// The scene cannot be read, or there is no window system or no OpenGL 4.5.
 pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
     let mut loading = None;
-    let scene = match &arguments.scene {
+    let mut scene = match &arguments.scene {
         None => Scene::listing16(),
         Some(path) => {
             let reading = Loading::start(arguments.load, path)?;
@@ -71,6 +71,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
             }
         }
     };
+    arguments.lines.apply(&mut scene.settings);
     let no_display = |error: winit::error::EventLoopError| {
         // The text before the last colon names a line of winit's source.
         let error = error.to_string();
@@ -89,6 +90,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         proxy: arguments.watch.then(|| events.create_proxy()),
         watch: None,
         load: arguments.load,
+        lines: arguments.lines,
         read: Vec::new(),
         loading,
         poll_at: Some(Instant::now()),
@@ -149,6 +151,7 @@ struct App {
     watch: Option<Watch>,
     /// Options for reading scenes.
     load: LoadArguments,
+    lines: LineArguments,
     /// The contents of the scene's files when they were last read.
     read: Vec<Contents>,
     /// The scene that is being read.
@@ -366,6 +369,10 @@ impl App {
             return;
         };
         let Some((loading, then)) = self.loading.take() else { return };
+        let result = result.map(|mut scene| {
+            self.lines.apply(&mut scene.settings);
+            scene
+        });
         self.state.progress = None;
         self.redraw();
         match (result, then) {

@@ -2,7 +2,7 @@
 
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::{
-    FrameStats, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
+    FrameStats, LineWidth, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
 };
 use glam::{DVec2, DVec3};
 
@@ -199,6 +199,17 @@ fn style(ui: &mut Ui, state: &mut State) {
         ui.add_enabled_ui(settings.wireframe, |ui| ui.checkbox(&mut settings.red_lines, "red"));
         ui.checkbox(&mut settings.control_points, "points");
     });
+    let mut edges = settings.edges.is_some();
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut edges, "edges");
+        if let Some(own) = &mut settings.edges {
+            let mut width = own.width.pixels();
+            ui.add(egui::DragValue::new(&mut width).range(0.1..=100.0).speed(0.05).suffix(" px"));
+            own.width = LineWidth::new(width).unwrap_or(own.width);
+            color(ui, &mut own.color);
+            ui.checkbox(&mut own.smooth, "smooth");
+        }
+    });
     ui.horizontal(|ui| {
         ui.label("background");
         let [red, green, blue, _] = &mut settings.background;
@@ -208,6 +219,9 @@ fn style(ui: &mut Ui, state: &mut State) {
     });
     if settings != state.scene().settings {
         state.change_settings(|own| *own = settings);
+    }
+    if edges != settings.edges.is_some() {
+        state.switch_edges();
     }
 }
 

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Camera, Error, FrameStats, Image, Method, Paint, Result, Scene, Smoothing, TessLevel,
-    Tessellation, Tolerance, Trims, ViewProjection,
+    Alpha, Camera, Edges, Error, FrameStats, Image, Method, Paint, Result, Scene, Smoothing,
+    TessLevel, Tessellation, Tolerance, Trims, ViewProjection,
 };
 use glam::{DVec2, dvec2};
 
@@ -86,6 +86,8 @@ pub(crate) struct State {
     size: DVec2,
     level: TessLevel,
     tolerance: Tolerance,
+    /// How edges were last drawn.
+    edges: Edges,
     pub(super) pointer: Pointer,
     history: History,
     /// The number of the last press of a key or button.
@@ -117,6 +119,7 @@ impl State {
             size: dvec2(1000.0, 600.0),
             level: TessLevel::default(),
             tolerance: Tolerance::default(),
+            edges: Edges::default(),
             pointer: Pointer::default(),
             history: History::default(),
             press: 0,
@@ -287,6 +290,10 @@ impl State {
                 let has_own = surfaces.iter().any(|surface| surface.face.is_none());
                 settings.control_points = settings.wireframe && has_own;
                 settings.red_lines = settings.wireframe;
+                Ok(())
+            }
+            Action::Edges => {
+                self.switch_edges();
                 Ok(())
             }
             Action::Trim(kind) => {
@@ -486,6 +493,14 @@ impl State {
         }
         self.other_paints = paints;
         self.edit(edits)
+    }
+
+    /// Switches the lines along edges on or off.
+    pub(crate) fn switch_edges(&mut self) {
+        let shown = self.scene.settings.edges;
+        self.edges = shown.unwrap_or(self.edges);
+        let edges = if shown.is_some() { None } else { Some(self.edges) };
+        self.change_settings(|settings| settings.edges = edges);
     }
 
     /// Switches this smoothing on or off for all meshes.

@@ -33,7 +33,7 @@ fn edge_between(a: usize, b: usize) -> (usize, bool) {
 }
 
 /// A unit cube of twelve edges. The plane of its top is `raised` above them.
-fn cube(raised: f64) -> Model {
+pub(super) fn cube(raised: f64) -> Model {
     let edges = (0..8_usize).flat_map(|a| (0..3).map(move |axis| (a, a | 1 << axis)));
     let edge = |(a, b)| {
         let curve = Curve::Line { origin: corner(a), direction: corner(b) - corner(a) };
@@ -94,7 +94,7 @@ fn leaks_of(stage: &mut Stage, finder: &LeakFinder<'_>, drawn: &Scene, which: Su
     finder.find(&frame.camera, &aovs, tolerance.pixels(), which)
 }
 
-fn to_pixels(projection: &ViewProjection, size: UVec2, point: DVec3) -> DVec2 {
+pub(super) fn to_pixels(projection: &ViewProjection, size: UVec2, point: DVec3) -> DVec2 {
     let ndc = (projection.projection * projection.view).project_point3(point);
     DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size.as_dvec2()
 }

@@ -8,6 +8,7 @@ mod comparison;
 mod contexts;
 mod depth;
 mod drivers;
+mod edges;
 mod figures;
 mod joined_surfaces;
 mod leaks;

@@ -9,6 +9,7 @@ mod cad_import;
 mod cad_models;
 mod continuity;
 mod convergence;
+mod joints;
 mod mesh_borders;
 mod mesh_convergence;
 mod mesh_faults;

@@ -89,6 +89,19 @@ fn every_action_of_the_table_does_something() {
 }
 
 #[test]
+fn edges_come_back_as_they_were() {
+    let mut state = state();
+    press(&mut state, &[Action::Edges]);
+    assert_eq!(state.scene().settings.edges, Some(Edges::default()));
+    let own = Edges { smooth: true, ..Edges::default() };
+    state.change_settings(|settings| settings.edges = Some(own));
+    press(&mut state, &[Action::Edges]);
+    assert_eq!(state.scene().settings.edges, None);
+    press(&mut state, &[Action::Edges]);
+    assert_eq!(state.scene().settings.edges, Some(own));
+}
+
+#[test]
 fn what_an_action_changes_is_told() {
     let mut state = state();
     assert!(state.take_changes().scene);
