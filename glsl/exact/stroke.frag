@@ -84,8 +84,10 @@ void main()
     float most = STEEPEST * pixel * min(sqrt(at.y), halfWidth);
     // Without a division by what may be 0.
     farther = abs(farther) >= most * abs(towards) ? sign(farther) * sign(towards) * most : farther / towards;
+#ifndef LINES
     // Where the face comes nearer, it covers the stroke itself.
     farther = max(farther, 0.0);
+#endif
     float depth = distance + farther;
 
     float size = dot(normal, normal);

@@ -186,7 +186,6 @@ impl StrokeView {
             linear.z_axis.cross(linear.x_axis),
             linear.x_axis.cross(linear.y_axis),
         );
-        let handedness = linear.determinant().signum();
         let normals = |besides: &[Beside; 2]| {
             besides.map(|beside| (cofactors * beside.normal.as_dvec3()).normalize_or_zero())
         };
@@ -199,14 +198,13 @@ impl StrokeView {
                 shares: besides.map(|beside| beside.share.as_dvec2()),
             });
             let part = Part { points, ends };
-            self.add_part(joint, handedness, faces_error, part, 0, segments);
+            self.add_part(joint, faces_error, part, 0, segments);
         }
     }
 
     fn add_part(
         &self,
         joint: &PlacedJoint<'_>,
-        handedness: f64,
         faces_error: f64,
         part: Part,
         halvings: u32,
@@ -243,13 +241,11 @@ impl StrokeView {
         let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
         if (is_straight && is_short) || halvings >= MAX_HALVINGS {
             let clipped = if is_in_front { Some(part) } else { part.beyond(self.near) };
-            segments.extend(
-                clipped.and_then(|part| self.segment(joint, handedness, &part, half_width(error))),
-            );
+            segments.extend(clipped.and_then(|part| self.segment(joint, &part, half_width(error))));
             return;
         }
         for half in part.halves() {
-            self.add_part(joint, handedness, faces_error, half, halvings + 1, segments);
+            self.add_part(joint, faces_error, half, halvings + 1, segments);
         }
     }
 
@@ -267,7 +263,6 @@ impl StrokeView {
     fn segment(
         &self,
         joint: &PlacedJoint<'_>,
-        handedness: f64,
         part: &Part,
         half_width: f64,
     ) -> Option<StrokeSegment> {
@@ -278,8 +273,7 @@ impl StrokeView {
         // For each face, how far a step into it goes to the left on the screen, and how much further away.
         let steps = [0, 1].map(|face| {
             let normal = part.ends[0].normals[face] + part.ends[1].normals[face];
-            let into =
-                handedness * joint.sides[face].side * normal.cross(direction).normalize_or_zero();
+            let into = joint.sides[face].side * normal.cross(direction).normalize_or_zero();
             let moved = if self.is_parallel {
                 into.truncate()
             } else {
