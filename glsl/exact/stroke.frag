@@ -34,10 +34,15 @@ vec2 nearest(vec4 ends, vec4 shape, vec2 place)
 {
     vec2 along = ends.zw - ends.xy, off = place - ends.xy;
     float size = dot(along, along);
-    float share = size > 0.0 ? clamp(dot(off, along) / size, 0.0, 1.0) : 0.0;
-    bool isLeft = along.x * off.y >= along.y * off.x;
+    float unclamped = size > 0.0 ? dot(off, along) / size : 0.0;
+    float share = clamp(unclamped, 0.0, 1.0);
+    bool isOn = shape.z > 0.0 || along.x * off.y >= along.y * off.x;
+#ifndef LINES
+    int cutEnds = int(floor(0.25 * (shape.w + 2.0))); // bit 0: the start, bit 1: the end
+    isOn = isOn && ((cutEnds & 1) == 0 || unclamped >= 0.0) && ((cutEnds & 2) == 0 || unclamped <= 1.0);
+#endif
     off -= share * along;
-    return vec2(share, isLeft || shape.z > 0.0 ? dot(off, off) : 1e30);
+    return vec2(share, isOn ? dot(off, off) : 1e30);
 }
 
 void main()
@@ -109,7 +114,12 @@ void main()
     fragmentColor = vec4(paint, 1.0);
 #endif
 #endif
-    depth += shape.w * halfWidth * pixel;
+#ifdef LINES
+    float behind = shape.w;
+#else
+    float behind = shape.w - 4.0 * floor(0.25 * (shape.w + 2.0));
+#endif
+    depth += behind * halfWidth * pixel;
 #if defined(LINES) && SAMPLES > 1
     // The samples of the pixel share this depth, those of the face do not: the face is nowhere in front.
     depth -= min(0.5 * fwidth(depth), STEEPEST * pixel);

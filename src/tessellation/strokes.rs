@@ -191,13 +191,19 @@ impl StrokeView {
         };
         let is_flat = joint.sides.iter().all(|side| side.is_flat);
         let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
-        for piece in joint.pieces {
+        let is_closed = {
+            let (first, last) = (joint.pieces.first(), joint.pieces.last());
+            first.map(|piece| piece.points[0]) == last.map(|piece| piece.points[3])
+        };
+        for (number, piece) in joint.pieces.iter().enumerate() {
+            let is_end =
+                [number == 0, number + 1 == joint.pieces.len()].map(|end| end && !is_closed);
             let points = piece.points.map(|point| to_view.transform_point3(point));
             let ends = [&piece.start, &piece.end].map(|besides| End {
                 normals: normals(besides),
                 shares: besides.map(|beside| beside.share.as_dvec2()),
             });
-            let part = Part { points, ends };
+            let part = Part { points, ends, is_end };
             self.add_part(joint, faces_error, part, 0, segments);
         }
     }
@@ -304,7 +310,14 @@ impl StrokeView {
             // If both faces come nearer, the edge lies in a valley or on the far side of a solid.
             let is_deep = a_farther < 0.0 && b_farther < 0.0;
             let behind = if is_deep {
+                // The strokes of other edges cover the end: that of an edge on the far side would be seen there.
                 FAR_BEHIND
+                    + part
+                        .is_end
+                        .iter()
+                        .zip([4.0, 8.0])
+                        .map(|(end, by)| if *end { by } else { 0.0 })
+                        .sum::<f32>()
             } else if is_clear {
                 BEHIND
             } else {
@@ -404,6 +417,8 @@ struct Part {
     /// The control points of a cubic.
     points: [DVec3; 4],
     ends: [End; 2],
+    /// Whether it begins and ends where the whole edge does.
+    is_end: [bool; 2],
 }
 
 impl Part {
@@ -423,8 +438,16 @@ impl Part {
         let [start, end] = self.ends;
         let between = start.between(end, 0.5);
         [
-            Self { points: [a, ab, abc, middle], ends: [start, between] },
-            Self { points: [middle, bcd, cd, d], ends: [between, end] },
+            Self {
+                points: [a, ab, abc, middle],
+                ends: [start, between],
+                is_end: [self.is_end[0], false],
+            },
+            Self {
+                points: [middle, bcd, cd, d],
+                ends: [between, end],
+                is_end: [false, self.is_end[1]],
+            },
         ]
     }
 
@@ -444,6 +467,10 @@ impl Part {
             end = cut;
         }
         let thirds = [1.0 / 3.0, 2.0 / 3.0].map(|share| start.0.lerp(end.0, share));
-        Some(Self { points: [start.0, thirds[0], thirds[1], end.0], ends: [start.1, end.1] })
+        Some(Self {
+            points: [start.0, thirds[0], thirds[1], end.0],
+            ends: [start.1, end.1],
+            is_end: self.is_end,
+        })
     }
 }

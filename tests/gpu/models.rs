@@ -247,8 +247,10 @@ fn differences(a: &Image, b: &Image) -> [usize; 2] {
         let around = (0..9)
             .map(|i| (x + i % 3, y + i / 3))
             .filter_map(|(x, y)| b.get_pixel_checked(x.checked_sub(1)?, y.checked_sub(1)?));
-        // A border of one pixel's width moves to one of these.
-        counts[1] += usize::from(!around.clone().any(|other| apart(pixel, other) <= 16));
+        // At a silhouette, the pixel moves to one of these, or a part that is hidden just beside it shows.
+        let has_moved = around.clone().any(|other| apart(pixel, other) <= 16);
+        let is_edge = around.clone().any(|other| apart(b.get_pixel(x, y), other) > 16);
+        counts[1] += usize::from(!has_moved && !is_edge);
     }
     counts
 }
