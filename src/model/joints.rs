@@ -27,6 +27,9 @@ pub struct Joint {
     pub sides: [f64; 2],
     /// The edge from its start to its end: in model space, for surfaces of a scene in world space.
     pub pieces: Vec<JointPiece>,
+    /// For ranges of pieces, the largest distance of their control points from the line between the ends of the range.
+    /// The first range has all pieces; range k of more than one is halved into the ranges 2k + 1 and 2k + 2.
+    pub chords: Vec<f64>,
     /// The largest distance between the pieces and the border of either face, by samples.
     pub gap: f64,
 }
@@ -126,7 +129,29 @@ impl Joint {
             _ => JointKind::Sharp,
         };
         let gap = borders[0].gap.max(borders[1].gap) + largest;
-        Self { edge, kind, faces, sides: borders.map(|border| border.side), pieces, gap }
+        let mut chords = Vec::new();
+        measure_chords(&pieces, 0, &mut chords);
+        Self { edge, kind, faces, sides: borders.map(|border| border.side), pieces, chords, gap }
+    }
+}
+
+/// Sets the distance of a range of pieces, and those of its halves.
+fn measure_chords(pieces: &[JointPiece], range: usize, chords: &mut Vec<f64>) {
+    let ([start, ..], [.., end]) = (pieces[0].points, pieces[pieces.len() - 1].points);
+    let along = end - start;
+    let off = |point: DVec3| {
+        let share = (point - start).dot(along) / along.length_squared();
+        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
+        point.distance(start + share * along)
+    };
+    if chords.len() <= range {
+        chords.resize(range + 1, 0.0);
+    }
+    chords[range] = pieces.iter().flat_map(|piece| piece.points).map(off).fold(0.0, f64::max);
+    if pieces.len() > 1 {
+        let (first, second) = pieces.split_at(pieces.len() / 2);
+        measure_chords(first, 2 * range + 1, chords);
+        measure_chords(second, 2 * range + 2, chords);
     }
 }
 

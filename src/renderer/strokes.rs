@@ -274,7 +274,8 @@ impl SurfaceJoint {
             }
         };
         let transform = self.transform(surfaces);
-        PlacedJoint { pieces: &joint.pieces, transform, sides: [side(0), side(1)], gap, line }
+        let (pieces, chords) = (&joint.pieces, &joint.chords);
+        PlacedJoint { pieces, chords, transform, sides: [side(0), side(1)], gap, line }
     }
 }
 

@@ -100,6 +100,8 @@ impl StrokeSide<'_> {
 /// A joint in its place.
 pub(crate) struct PlacedJoint<'a> {
     pub(crate) pieces: &'a [JointPiece],
+    /// As [`crate::model::Joint::chords`].
+    pub(crate) chords: &'a [f64],
     /// From the model to world space.
     pub(crate) transform: DMat4,
     pub(crate) sides: [StrokeSide<'a>; 2],
@@ -191,20 +193,89 @@ impl StrokeView {
         };
         let is_flat = joint.sides.iter().all(|side| side.is_flat);
         let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
-        let is_closed = {
-            let (first, last) = (joint.pieces.first(), joint.pieces.last());
-            first.map(|piece| piece.points[0]) == last.map(|piece| piece.points[3])
-        };
-        for (number, piece) in joint.pieces.iter().enumerate() {
-            let is_end =
-                [number == 0, number + 1 == joint.pieces.len()].map(|end| end && !is_closed);
-            let points = piece.points.map(|point| to_view.transform_point3(point));
-            let ends = [&piece.start, &piece.end].map(|besides| End {
+        let [first, last] = [joint.pieces.first(), joint.pieces.last()];
+        let is_closed = first.map(|piece| piece.points[0]) == last.map(|piece| piece.points[3]);
+        let part = |pieces: &[JointPiece], is_end: [bool; 2]| {
+            let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
+            let [a, b, c, d] = if pieces.len() == 1 {
+                first.points
+            } else {
+                let (start, end) = (first.points[0], last.points[3]);
+                [start, start.lerp(end, 1.0 / 3.0), start.lerp(end, 2.0 / 3.0), end]
+            };
+            let ends = [&first.start, &last.end].map(|besides| End {
                 normals: normals(besides),
                 shares: besides.map(|beside| beside.share.as_dvec2()),
             });
-            let part = Part { points, ends, is_end };
-            self.add_part(joint, faces_error, part, 0, segments);
+            let points = [a, b, c, d].map(|point| to_view.transform_point3(point));
+            Part { points, ends, is_end: is_end.map(|end| end && !is_closed) }
+        };
+        let axes = [linear.x_axis, linear.y_axis, linear.z_axis];
+        let scale = axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt();
+        // Ranges of pieces, from the whole joint: those that are straight enough become one segment.
+        let mut ranges = vec![(0, 0..joint.pieces.len())];
+        while let Some((number, range)) = ranges.pop().filter(|(_, range)| !range.is_empty()) {
+            let is_end = [range.start == 0, range.end == joint.pieces.len()];
+            let part = part(&joint.pieces[range.clone()], is_end);
+            if range.len() == 1 {
+                self.add_part(joint, faces_error, part, 0, segments);
+                continue;
+            }
+            let off = scale * joint.chords[number];
+            match self.look(joint, faces_error, &part, off, 0) {
+                Look::Outside => {}
+                Look::Straight(half_width) => {
+                    let part = part.beyond(self.near);
+                    segments.extend(part.and_then(|part| self.segment(joint, &part, half_width)));
+                }
+                Look::Other => {
+                    let middle = range.start + range.len() / 2;
+                    ranges.push((2 * number + 2, middle..range.end));
+                    ranges.push((2 * number + 1, range.start..middle));
+                }
+            }
+        }
+    }
+
+    /// What a part looks like if it is nowhere further than `off` from the line between its ends. After many halvings it
+    /// counts as straight.
+    fn look(
+        &self,
+        joint: &PlacedJoint<'_>,
+        faces_error: f64,
+        part: &Part,
+        off: f64,
+        halvings: u32,
+    ) -> Look {
+        let depths = part.points.map(|point| -point.z);
+        let farthest = depths.into_iter().fold(f64::NEG_INFINITY, f64::max) + off;
+        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min) - off;
+        if farthest <= self.near {
+            return Look::Outside;
+        }
+        let is_in_front = nearest > self.near;
+        let px = self.px_per_unit(if is_in_front { nearest } else { self.near });
+        let (off_edge, gap) = match joint.line {
+            Some(_) => (OFF_LINE, 0.0),
+            None => (OFF_EDGE * self.tolerance, joint.gap),
+        };
+        let half_width = |error: f64| match joint.line {
+            Some(line) => line.half_width,
+            None => LEAST + faces_error + error + gap * px,
+        };
+        let error = off * px;
+        if is_in_front && self.is_outside(&part.points, half_width(off_edge) + error) {
+            return Look::Outside;
+        }
+        // The width is that of the nearest place; far from it, it may be too much.
+        let excess = gap * (px - self.px_per_unit(farthest));
+        let is_pictured =
+            joint.line.is_none() && joint.sides.iter().any(|side| side.picture.is_some());
+        let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
+        if (error + excess <= off_edge && is_short) || halvings >= MAX_HALVINGS {
+            Look::Straight(half_width(error))
+        } else {
+            Look::Other
         }
     }
 
@@ -216,42 +287,17 @@ impl StrokeView {
         halvings: u32,
         segments: &mut Vec<StrokeSegment>,
     ) {
-        let depths = part.points.map(|point| -point.z);
-        let [nearest, farthest] = [
-            depths.into_iter().fold(f64::INFINITY, f64::min),
-            depths.into_iter().fold(f64::NEG_INFINITY, f64::max),
-        ];
-        if farthest <= self.near {
-            return;
-        }
-        let bend = part.bend();
-        let is_in_front = nearest - bend > self.near;
-        let px = self.px_per_unit(if is_in_front { nearest - bend } else { self.near });
-        let (off_edge, gap) = match joint.line {
-            Some(_) => (OFF_LINE, 0.0),
-            None => (OFF_EDGE * self.tolerance, joint.gap),
-        };
-        let half_width = |error: f64| match joint.line {
-            Some(line) => line.half_width,
-            None => LEAST + faces_error + error + gap * px,
-        };
-        if is_in_front && self.is_outside(&part.points, half_width(off_edge)) {
-            return;
-        }
-        // The width is that of the nearest place; far from it, it may be too much.
-        let error = bend * px;
-        let excess = gap * (px - self.px_per_unit(farthest));
-        let is_straight = error + excess <= off_edge;
-        let is_pictured =
-            joint.line.is_none() && joint.sides.iter().any(|side| side.picture.is_some());
-        let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
-        if (is_straight && is_short) || halvings >= MAX_HALVINGS {
-            let clipped = if is_in_front { Some(part) } else { part.beyond(self.near) };
-            segments.extend(clipped.and_then(|part| self.segment(joint, &part, half_width(error))));
-            return;
-        }
-        for half in part.halves() {
-            self.add_part(joint, faces_error, half, halvings + 1, segments);
+        match self.look(joint, faces_error, &part, part.bend(), halvings) {
+            Look::Outside => {}
+            Look::Straight(half_width) => {
+                let part = part.beyond(self.near);
+                segments.extend(part.and_then(|part| self.segment(joint, &part, half_width)));
+            }
+            Look::Other => {
+                for half in part.halves() {
+                    self.add_part(joint, faces_error, half, halvings + 1, segments);
+                }
+            }
         }
     }
 
@@ -390,6 +436,16 @@ fn packed([red, green, blue]: [u8; 3]) -> f32 {
     (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue)
 }
 
+/// What a part of an edge looks like.
+enum Look {
+    /// It is not in the picture.
+    Outside,
+    /// A segment with half of this width covers it.
+    Straight(f64),
+    /// It is bent, or near the eye.
+    Other,
+}
+
 /// An end of a part of an edge.
 #[derive(Debug, Clone, Copy)]
 struct End {
@@ -456,6 +512,9 @@ impl Part {
         // Points on the near plane itself have a place on the screen.
         let [mut start, mut end] = [(self.points[0], self.ends[0]), (self.points[3], self.ends[1])];
         let [a, b] = [start, end].map(|(point, _)| -point.z - near);
+        if a > 0.0 && b > 0.0 {
+            return Some(*self);
+        }
         if a <= 0.0 && b <= 0.0 {
             return None;
         }
