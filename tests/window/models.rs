@@ -27,6 +27,13 @@ fn faces_of_a_dropped_model_are_clicked_hidden_and_shown() {
     assert!(screen.title().starts_with("flange.ffm"), "{}", screen.title());
     assert!(changed(&square, &start) > 50_000);
 
+    // Lines along the edges.
+    screen.keys(&["o"]);
+    let off = changed(&start, &screen.picture());
+    assert!((500..20_000).contains(&off), "lines: {off}");
+    screen.keys(&["o"]);
+    assert_same("view-edges-off", &start, &screen.picture(), &[], 0);
+
     // The middle of the highest visible face.
     let scene = Scene::load(&model).unwrap();
     let place = flange_face(&scene);
