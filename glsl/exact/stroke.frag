@@ -23,7 +23,7 @@ out vec4 fragmentColor;
 
 // The largest difference in distance from the edge, as a multiple of that on the screen.
 #ifdef LINES
-const float STEEPEST = 64.0;
+const float STEEPEST = 4.0;
 #else
 const float STEEPEST = 8.0;
 #endif
