@@ -4,9 +4,9 @@
 
 layout(binding = 8) uniform samplerBuffer strokes; // for each segment, 8 texels: src/tessellation/strokes.rs
 
-layout(location = 26) uniform vec4 viewport; // first pixel, half of width and height
-layout(location = 35) uniform int groupSize; // segments of an instance
-layout(location = 37) uniform int segments;     // behind the last segment
+layout(location = 26) uniform vec4 viewport;    // first pixel, half of width and height
+layout(location = 35) uniform int groupSize;    // segments of an instance
+layout(location = 37) uniform int segments;     // number behind the last segment
 layout(location = 41) uniform int firstSegment;
 
 layout(location = 0) flat out int segment;

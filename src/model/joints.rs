@@ -137,7 +137,8 @@ impl Joint {
 
 /// Sets the distance of a range of pieces, and those of its halves.
 fn measure_chords(pieces: &[JointPiece], range: usize, chords: &mut Vec<f64>) {
-    let ([start, ..], [.., end]) = (pieces[0].points, pieces[pieces.len() - 1].points);
+    let [Some(first), Some(last)] = [pieces.first(), pieces.last()] else { return };
+    let ([start, ..], [.., end]) = (first.points, last.points);
     let along = end - start;
     let off = |point: DVec3| {
         let share = (point - start).dot(along) / along.length_squared();

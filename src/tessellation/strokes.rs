@@ -1,5 +1,5 @@
-//! Strokes: joints as line segments of a certain width on the screen. All points of the screen within
-//! half a width of a segment are drawn, as part of one of the two faces.
+//! Strokes: joints as line segments of a certain width on the screen. All points of the screen within half a width of a
+//! segment are drawn, as part of one of the two faces.
 //!
 //! The same segments draw an edge as a line of a given width and colour. A line lies in front of its faces.
 //!
@@ -29,6 +29,10 @@ const BEHIND: f32 = 0.25;
 /// The same where both faces come nearer on the sides of the edge: it may be the far side of a solid, and the strokes of
 /// edges on the near side are to be in front.
 const FAR_BEHIND: f32 = 1.0;
+/// What is added to the above if the start of a segment is cut, and if its end is.
+const CUT_ENDS: [f32; 2] = [4.0, 8.0];
+/// An edge is closed if its ends are nearer to each other than this, as a share of its extent.
+const CLOSED: f64 = 1e-6;
 /// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
 const CLEARLY: f64 = 0.1;
 /// The longest segment in pixels that has one colour of a picture.
@@ -48,7 +52,8 @@ pub(crate) struct StrokeSegment {
     depths: Vec2,
     /// Half of the width in pixels; negative if only the left side is drawn.
     half_width: f32,
-    /// How much farther than the faces' planes it is drawn, as a share of half of the width. Lines are drawn nearer.
+    /// How much farther than the faces' planes it is drawn, as a share of half of the width; lines are drawn nearer. A
+    /// stroke that closes a gap has [`CUT_ENDS`] added for each end that is not round.
     behind: f32,
     /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
     /// colour, the normal at the end and the number of a patch. The same for the face to the right.
@@ -193,8 +198,8 @@ impl StrokeView {
         };
         let is_flat = joint.sides.iter().all(|side| side.is_flat);
         let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
-        let [first, last] = [joint.pieces.first(), joint.pieces.last()];
-        let is_closed = first.map(|piece| piece.points[0]) == last.map(|piece| piece.points[3]);
+        let [Some(first), Some(last)] = [joint.pieces.first(), joint.pieces.last()] else { return };
+        let is_closed = first.points[0].distance(last.points[3]) <= CLOSED * joint.chords[0];
         let part = |pieces: &[JointPiece], is_end: [bool; 2]| {
             let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
             let [a, b, c, d] = if pieces.len() == 1 {
@@ -214,7 +219,7 @@ impl StrokeView {
         let scale = axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt();
         // Ranges of pieces, from the whole joint: those that are straight enough become one segment.
         let mut ranges = vec![(0, 0..joint.pieces.len())];
-        while let Some((number, range)) = ranges.pop().filter(|(_, range)| !range.is_empty()) {
+        while let Some((number, range)) = ranges.pop() {
             let is_end = [range.start == 0, range.end == joint.pieces.len()];
             let part = part(&joint.pieces[range.clone()], is_end);
             if range.len() == 1 {
@@ -225,8 +230,7 @@ impl StrokeView {
             match self.look(joint, faces_error, &part, off, 0) {
                 Look::Outside => {}
                 Look::Straight(half_width) => {
-                    let part = part.beyond(self.near);
-                    segments.extend(part.and_then(|part| self.segment(joint, &part, half_width)));
+                    segments.extend(self.segment(joint, &part, half_width));
                 }
                 Look::Other => {
                     let middle = range.start + range.len() / 2;
@@ -289,10 +293,7 @@ impl StrokeView {
     ) {
         match self.look(joint, faces_error, &part, part.bend(), halvings) {
             Look::Outside => {}
-            Look::Straight(half_width) => {
-                let part = part.beyond(self.near);
-                segments.extend(part.and_then(|part| self.segment(joint, &part, half_width)));
-            }
+            Look::Straight(half_width) => segments.extend(self.segment(joint, &part, half_width)),
             Look::Other => {
                 for half in part.halves() {
                     self.add_part(joint, faces_error, half, halvings + 1, segments);
@@ -311,13 +312,14 @@ impl StrokeView {
         })
     }
 
-    /// The straight segment of a part.
+    /// The straight segment of a part, if any of it is beyond the near plane.
     fn segment(
         &self,
         joint: &PlacedJoint<'_>,
         part: &Part,
         half_width: f64,
     ) -> Option<StrokeSegment> {
+        let part = &part.beyond(self.near)?;
         let [start, end] = [part.points[0], part.points[3]];
         let left = (self.place(end) - self.place(start)).perp().normalize_or_zero();
         let middle = start.midpoint(end);
@@ -357,13 +359,8 @@ impl StrokeView {
             let is_deep = a_farther < 0.0 && b_farther < 0.0;
             let behind = if is_deep {
                 // The strokes of other edges cover the end: that of an edge on the far side would be seen there.
-                FAR_BEHIND
-                    + part
-                        .is_end
-                        .iter()
-                        .zip([4.0, 8.0])
-                        .map(|(end, by)| if *end { by } else { 0.0 })
-                        .sum::<f32>()
+                let cut = CUT_ENDS.iter().zip(part.is_end).filter(|(_, is_end)| *is_end);
+                FAR_BEHIND + cut.map(|(code, _)| code).sum::<f32>()
             } else if is_clear {
                 BEHIND
             } else {
