@@ -66,6 +66,13 @@ impl ViewProjection {
         (is_far && farthest.is_finite()).then(|| 1.0 / farthest)
     }
 
+    /// The distance along the view axis, before the eye, at which the picture begins.
+    pub(crate) fn nearest(&self) -> f64 {
+        // Where z = −w.
+        let (z, w) = (self.projection.row(2), self.projection.row(3));
+        (z.w + w.w) / (z.z + w.z)
+    }
+
     /// The distance of the farther clip plane from the eye, or 1 if it is at infinity.
     pub(crate) fn reach(&self) -> f64 {
         let to_view = self.projection.inverse();

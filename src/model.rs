@@ -20,6 +20,7 @@ mod projection;
 mod read;
 mod sew;
 mod sheet;
+mod solids;
 mod write;
 
 use glam::{DAffine3, DVec2, DVec3};
@@ -34,8 +35,10 @@ pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
 pub(crate) use import::ENDED;
 pub use import::{ImportOptions, find_helper, import, is_cad_file};
 pub use instances::Instance;
-pub use joints::{Beside, Joint, JointKind, JointPiece};
+pub use joints::{Beside, Joint, JointKind, JointPiece, JointRange};
 pub(crate) use joints::{Border, JointCurve, JointSurface};
+pub use solids::Outside;
+pub(crate) use solids::has_bare_border;
 
 /// A CAD model. Edges, faces and products are numbered from 0 in their order; they refer to each other by number.
 #[derive(Debug, Clone, PartialEq)]

@@ -17,7 +17,7 @@ use crate::parallel;
 use crate::programs::Output;
 use crate::renderer::{
     ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
-    RaisedPatches, Renderer, Strokes, SurfaceJoint,
+    RaisedPatches, Renderer, Solids, Strokes, SurfaceJoint,
 };
 use crate::scene::{CadModel, FaceOfModel, Method, Paint, Scene, Surface, joined};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
@@ -57,7 +57,8 @@ impl PreparedScene {
         let mut strokes = Strokes::default();
         if !scene.surfaces.is_empty() {
             let Neighbours { table, centerings, raised } = neighbours(scene);
-            strokes = Strokes::new(all_joints(scene, &table));
+            let places = places_of_faces(scene);
+            strokes = Strokes::new(all_joints(scene, &table, &places));
             let mut points = Vec::with_capacity(scene.surfaces.len());
             for ((surface, raised), centering) in scene.surfaces.iter().zip(&raised).zip(centerings)
             {
@@ -89,7 +90,8 @@ impl PreparedScene {
                     raised,
                 )?);
             }
-            draw_list = DrawList::of_neighbours(table, &surfaces, strokes.close_gaps());
+            let solids = Solids::new(scene, &places);
+            draw_list = DrawList::of_neighbours(table, &surfaces, strokes.close_gaps(), solids);
         }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for model in &scene.meshes {
@@ -106,7 +108,7 @@ impl PreparedScene {
     ) -> Result<()> {
         let (surfaces, draw_list) = (&mut self.surfaces, &mut self.draw_list);
         let mut stats = renderer.draw_surfaces(surfaces, draw_list, frame, output)?;
-        self.strokes.update(renderer, surfaces, frame, draw_list.state())?;
+        self.strokes.update(renderer, surfaces, frame, draw_list)?;
         stats.draws += renderer.draw_strokes(&self.strokes, frame, output)?;
         for mesh in &mut self.meshes {
             mesh.update(renderer, frame)?;
@@ -146,7 +148,7 @@ impl PreparedScene {
                 .try_for_each(|surface| surface.upload_trims(renderer.gl(), &frame.settings))?,
             Method::Exact => self.draw_list.update(renderer, &mut self.surfaces, frame)?,
         }
-        self.strokes.update(renderer, &self.surfaces, frame, self.draw_list.state())?;
+        self.strokes.update(renderer, &self.surfaces, frame, &self.draw_list)?;
         self.meshes.iter_mut().try_for_each(|mesh| mesh.update(renderer, frame))
     }
 
@@ -170,15 +172,28 @@ impl PreparedScene {
     }
 }
 
+/// For each surface, the face of a CAD model that it is, as it was read: `None` if its points or trims were edited.
+fn places_of_faces(scene: &Scene) -> Vec<Option<FaceOfModel>> {
+    let as_read = |surface: &Surface| {
+        let place = surface.face?;
+        scene.models.get(place.model)?.has_face(place.face, surface).then_some(place)
+    };
+    scene.surfaces.iter().map(as_read).collect()
+}
+
 /// The joints of all faces of CAD models, and those of all other surfaces.
-fn all_joints(scene: &Scene, table: &EdgeTable) -> Vec<SurfaceJoint> {
+fn all_joints(
+    scene: &Scene,
+    table: &EdgeTable,
+    places: &[Option<FaceOfModel>],
+) -> Vec<SurfaceJoint> {
     let mut patches = 0;
     let firsts = scene.surfaces.iter().map(|surface| {
         patches += surface.patches().len();
         patches - surface.patches().len()
     });
     let firsts: Vec<usize> = firsts.collect();
-    let mut found = joints_of_models(scene, &firsts);
+    let mut found = joints_of_models(scene, places, &firsts);
     let (joints, patches): (Vec<Joint>, Vec<[usize; 2]>) =
         joined(&scene.surfaces, &table.open_sides())
             .into_iter()
@@ -199,14 +214,19 @@ fn all_joints(scene: &Scene, table: &EdgeTable) -> Vec<SurfaceJoint> {
     found
 }
 
-/// The joints of all faces of CAD models. `firsts` are the numbers of the surfaces' first patches.
-fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
+/// The joints of all faces of CAD models. `places` are those of the surfaces, and `firsts` the numbers of their first
+/// patches.
+fn joints_of_models(
+    scene: &Scene,
+    places: &[Option<FaceOfModel>],
+    firsts: &[usize],
+) -> Vec<SurfaceJoint> {
     // The surface of each face in each place of its product.
     let mut surfaces: HashMap<(usize, usize), usize> = HashMap::new();
     let mut joints_of: HashMap<(usize, usize), Vec<usize>> = HashMap::new();
-    for (number, surface) in scene.surfaces.iter().enumerate() {
-        if let Some(face) = surface.face {
-            surfaces.insert((face.model, face.instance), number);
+    for (number, place) in places.iter().enumerate() {
+        if let Some(place) = place {
+            surfaces.insert((place.model, place.instance), number);
         }
     }
     for (model, CadModel { joints, .. }) in scene.models.iter().enumerate() {
@@ -215,8 +235,8 @@ fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
         }
     }
     let mut found = Vec::new();
-    for (number, surface) in scene.surfaces.iter().enumerate() {
-        let Some(FaceOfModel { model, face, instance }) = surface.face else { continue };
+    for (number, place) in places.iter().enumerate() {
+        let Some(FaceOfModel { model, face, instance }) = *place else { continue };
         for joint in joints_of.get(&(model, face)).into_iter().flatten() {
             let joints = &scene.models[model].joints;
             // The faces of a product are numbered alike in all of its places.

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use super::screen::Screen;
-use crate::model::{Deviation, DrawnFace, Face, FaceSurface, Model};
+use crate::model::{Deviation, Model, has_bare_border};
 use crate::parallel;
 use crate::scene::{FaceOfModel, Scene};
 
@@ -149,13 +149,6 @@ impl<'a> Solids<'a> {
         };
         parallel::map(self.edges.len(), of).into_iter().flatten().collect()
     }
-}
-
-/// Whether a face ends where it has no edge: it has no loops, and its surface is not closed.
-fn has_bare_border(face: &Face, drawn: Option<&DrawnFace>) -> bool {
-    let is_closed = matches!(face.surface, FaceSurface::Sphere { .. } | FaceSurface::Torus { .. })
-        || drawn.is_some_and(|drawn| drawn.periods.iter().all(Option::is_some));
-    face.loops.is_empty() && !is_closed
 }
 
 /// An upper bound of the factor by which a transform changes lengths.

@@ -1,7 +1,10 @@
-//! The area of drawn faces, by Gauss quadrature row by row between the places where the loops turn.
+//! Integrals over drawn faces, by Gauss quadrature row by row between the places where the loops turn.
+
+use glam::DVec3;
 
 use super::DrawnFace;
 use super::evaluate::nurbs_at;
+use crate::bezier::SurfacePoint;
 use crate::trim::{Keep, Segment};
 
 /// A piece of a loop that rises or falls along v.
@@ -13,6 +16,13 @@ struct Monotone<'a> {
     range: [f64; 2],
 }
 
+/// How many points an integral takes.
+#[derive(Clone, Copy)]
+enum Precision {
+    Fine,
+    Coarse,
+}
+
 /// Points and weights for the interval from 0 to 1.
 type Rule = Vec<(f64, f64)>;
 
@@ -20,6 +30,17 @@ impl DrawnFace {
     /// The area of the face. On smooth surfaces the relative error is below 1e-6.
     #[must_use]
     pub fn area(&self) -> f64 {
+        self.integral(Precision::Fine, |at| at.du.cross(at.dv).length())
+    }
+
+    /// The integral of the distance from a point to the tangent plane, positive where ∂u × ∂v points away from the
+    /// point: three times the volume of the cone from the point to the face. The relative error is about 1 %.
+    pub(super) fn flux(&self, origin: DVec3) -> f64 {
+        self.integral(Precision::Coarse, |at| (at.position - origin).dot(at.du.cross(at.dv)))
+    }
+
+    /// The integral over the parameters of the face.
+    fn integral(&self, precision: Precision, of: impl Fn(&SurfacePoint) -> f64) -> f64 {
         let [low, high] = self.surface.domain();
         let degree = self.surface.degree();
         let [of_u, of_v] = self.surface.knots();
@@ -33,9 +54,14 @@ impl DrawnFace {
         rows.sort_by(f64::total_cmp);
         rows.dedup_by(|a, b| (*a - *b).abs() <= 1e-14 * (high.y - low.y));
         // Many rows or columns are short.
-        let across = gauss(if rows.len() < 100 { 20 } else { 6 });
-        let along = gauss(if columns.len() < 20 { 12 } else { 5 });
-        let mut area = 0.0;
+        let (across, along) = match precision {
+            Precision::Fine => (
+                gauss(if rows.len() < 100 { 20 } else { 6 }),
+                gauss(if columns.len() < 20 { 12 } else { 5 }),
+            ),
+            Precision::Coarse => (gauss(3), gauss(3)),
+        };
+        let mut sum = 0.0;
         for pair in rows.windows(2) {
             let [from, to] = [pair[0], pair[1]];
             let middle = from.midpoint(to);
@@ -54,15 +80,22 @@ impl DrawnFace {
                 }
                 for pair in ends.chunks_exact(2) {
                     let range = [pair[0].max(low.x), pair[1].min(high.x)];
-                    area += weight * self.row(v, range, &columns, &along);
+                    sum += weight * self.row(v, range, &columns, &along, &of);
                 }
             }
         }
-        area
+        sum
     }
 
     /// The integral along u at v.
-    fn row(&self, v: f64, [from, to]: [f64; 2], columns: &[f64], rule: &Rule) -> f64 {
+    fn row(
+        &self,
+        v: f64,
+        [from, to]: [f64; 2],
+        columns: &[f64],
+        rule: &Rule,
+        of: &impl Fn(&SurfacePoint) -> f64,
+    ) -> f64 {
         let mut sum = 0.0;
         for pair in columns.windows(2) {
             let (low, high) = (pair[0].max(from), pair[1].min(to));
@@ -71,7 +104,7 @@ impl DrawnFace {
             }
             for (x, weight) in rule {
                 let at = nurbs_at(&self.surface, low + (high - low) * x, v);
-                sum += weight * (high - low) * at.du.cross(at.dv).length();
+                sum += weight * (high - low) * of(&at);
             }
         }
         sum

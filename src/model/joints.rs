@@ -27,9 +27,9 @@ pub struct Joint {
     pub sides: [f64; 2],
     /// The edge from its start to its end: in model space, for surfaces of a scene in world space.
     pub pieces: Vec<JointPiece>,
-    /// For ranges of pieces, the largest distance of their control points from the line between the ends of the range.
-    /// The first range has all pieces; range k of more than one is halved into the ranges 2k + 1 and 2k + 2.
-    pub chords: Vec<f64>,
+    /// Ranges of pieces. The first range has all pieces; range k of more than one is halved into the ranges 2k + 1 and
+    /// 2k + 2.
+    pub ranges: Vec<JointRange>,
     /// The largest distance between the pieces and the border of either face, by samples.
     pub gap: f64,
 }
@@ -56,6 +56,18 @@ pub struct JointPiece {
     pub start: [Beside; 2],
     /// The same at its end.
     pub end: [Beside; 2],
+}
+
+/// A range of the pieces of a joint.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointRange {
+    /// The largest distance of the pieces' control points from the line between the ends of the range.
+    pub off: f64,
+    /// Of both faces, the unit normal from which the normals along the range differ by at most the angle with the sine
+    /// below; zero if that is not known, or a right angle or more.
+    pub normals: [Vec3; 2],
+    /// The sines of these angles.
+    pub sines: [f32; 2],
 }
 
 /// A face at a place of its border.
@@ -129,14 +141,14 @@ impl Joint {
             _ => JointKind::Sharp,
         };
         let gap = borders[0].gap.max(borders[1].gap) + largest;
-        let mut chords = Vec::new();
-        measure_chords(&pieces, 0, &mut chords);
-        Self { edge, kind, faces, sides: borders.map(|border| border.side), pieces, chords, gap }
+        let mut ranges = Vec::new();
+        measure_ranges(&pieces, 0, &mut ranges);
+        Self { edge, kind, faces, sides: borders.map(|border| border.side), pieces, ranges, gap }
     }
 }
 
-/// Sets the distance of a range of pieces, and those of its halves.
-fn measure_chords(pieces: &[JointPiece], range: usize, chords: &mut Vec<f64>) {
+/// Measures a range of pieces, and its halves.
+fn measure_ranges(pieces: &[JointPiece], number: usize, ranges: &mut Vec<JointRange>) {
     let [Some(first), Some(last)] = [pieces.first(), pieces.last()] else { return };
     let ([start, ..], [.., end]) = (first.points, last.points);
     let along = end - start;
@@ -145,15 +157,31 @@ fn measure_chords(pieces: &[JointPiece], range: usize, chords: &mut Vec<f64>) {
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
         point.distance(start + share * along)
     };
-    if chords.len() <= range {
-        chords.resize(range + 1, 0.0);
+    if ranges.len() <= number {
+        ranges.resize(number + 1, JointRange::default());
     }
-    chords[range] = pieces.iter().flat_map(|piece| piece.points).map(off).fold(0.0, f64::max);
+    let [one, other] = [0, 1].map(|face| normals_of(pieces, face));
+    ranges[number] = JointRange {
+        off: pieces.iter().flat_map(|piece| piece.points).map(off).fold(0.0, f64::max),
+        normals: [one.0, other.0],
+        sines: [one.1, other.1],
+    };
     if pieces.len() > 1 {
         let (first, second) = pieces.split_at(pieces.len() / 2);
-        measure_chords(first, 2 * range + 1, chords);
-        measure_chords(second, 2 * range + 2, chords);
+        measure_ranges(first, 2 * number + 1, ranges);
+        measure_ranges(second, 2 * number + 2, ranges);
     }
+}
+
+/// A normal of a face, and the sine of the largest angle between it and any along the pieces.
+fn normals_of(pieces: &[JointPiece], face: usize) -> (Vec3, f32) {
+    let normals =
+        || pieces.iter().flat_map(|piece| [piece.start[face].normal, piece.end[face].normal]);
+    let axis = normals().sum::<Vec3>().normalize_or_zero();
+    let cosine = normals().map(|normal| normal.dot(axis)).fold(1.0, f32::min);
+    // Between the ends of a piece, normals differ from those interpolated.
+    let angle = cosine.acos() + NORMAL_COS.acos();
+    if angle < std::f32::consts::FRAC_PI_2 { (axis, angle.sin()) } else { (Vec3::ZERO, 1.0) }
 }
 
 /// A surface beside a joint, in the space of the joint.

@@ -7,9 +7,10 @@ use std::ops::Range;
 use std::rc::Rc;
 
 use bytemuck::Pod;
-use glam::{DMat3, DMat4, DVec3, DVec4, Vec4};
+use glam::{DMat3, DMat4, DVec4, Vec4};
 
 use super::draws::{Draw, PlanKey, divide_into_instances};
+use super::solids::{Solids, eye_in_model};
 use super::surface::{PreparedSurface, Revision, to_bytes};
 use super::trims::{TrimWords, make_exact};
 use super::{Frame, RED, Renderer, in_lines};
@@ -20,8 +21,8 @@ use crate::gpu::{Buffer, TexelBuffer};
 use crate::programs::{Output, Painting, TrimFeatures};
 use crate::scene::{Cull, Shading, Tessellation};
 use crate::tessellation::{
-    EdgeSource, EdgeTable, Eye, FrameStats, LEFT_TO_FACES, Lists, PatchKind, Plan, Rounding,
-    Screen, SubPatch, SurfacePatches, TrimmedList,
+    EdgeSource, EdgeTable, FrameStats, LEFT_TO_FACES, Lists, PatchKind, Plan, Rounding, Screen,
+    SubPatch, SurfacePatches, TrimmedList,
 };
 
 /// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
@@ -60,6 +61,7 @@ pub(crate) struct DrawList {
     draws: Vec<Draw>,
     /// Whether surfaces meet along joints, whose strokes need a share of the tolerance.
     has_joints: bool,
+    solids: Solids,
     /// Counts the changes of anything above.
     state: u64,
 }
@@ -70,6 +72,8 @@ struct DrawKey {
     plan: PlanKey,
     /// Whether the lines of a wireframe are red.
     in_red: bool,
+    /// Whether what is behind is seen too.
+    see_through: bool,
 }
 
 /// The properties that all sub-patches of a list share.
@@ -106,9 +110,15 @@ impl DrawList {
         table: EdgeTable,
         surfaces: &[PreparedSurface],
         has_joints: bool,
+        solids: Solids,
     ) -> Self {
         let borders = surfaces.iter().map(|surface| surface.revision().borders).collect();
-        Self { table, borders, has_joints, ..Self::default() }
+        Self { table, borders, has_joints, solids, ..Self::default() }
+    }
+
+    /// The solids, as the last view shows them.
+    pub(crate) const fn solids(&self) -> &Solids {
+        &self.solids
     }
 
     /// A number that changes with everything that the list depends on.
@@ -132,6 +142,7 @@ impl DrawList {
         let key = DrawKey {
             plan: PlanKey::new(frame, frame.settings.tessellation),
             in_red: in_lines(&frame.settings, Output::Picture),
+            see_through: frame.settings.wireframe,
         };
         let same = self.note_revisions(surfaces);
         if same && self.key == Some(key) {
@@ -140,6 +151,7 @@ impl DrawList {
         // If the update fails, the next one starts again.
         self.key = None;
         self.state += 1;
+        self.solids.update(surfaces, &key.plan.camera, key.see_through);
         self.plan(surfaces, &key.plan);
         self.upload(renderer, surfaces, &key)?;
         self.key = Some(key);
@@ -273,9 +285,13 @@ impl DrawList {
         let mut patches: Vec<SurfacePatches<'_>> = Vec::with_capacity(surfaces.len());
         for (number, surface) in surfaces.iter_mut().enumerate() {
             let model = surface.surface().transform;
-            let back = (surface.surface().cull == Cull::Back).then(|| {
-                (eye_in_model(&key.camera, &model), DMat3::from_mat4(model).determinant().signum())
-            });
+            let back = match surface.surface().cull {
+                Cull::Back => {
+                    let sign = DMat3::from_mat4(model).determinant().signum();
+                    Some((eye_in_model(&key.camera, &model), sign))
+                }
+                Cull::None => self.solids.seen(number).map(|(eye, _, sign)| (eye, sign)),
+            };
             let hidden = surface.surface().hidden;
             let degree = surface.drawn_degree();
             let rounding = Rounding::new(
@@ -452,17 +468,6 @@ fn domains_of(surfaces: &[PreparedSurface]) -> Vec<Vec4> {
         })
     });
     of_patches.collect()
-}
-
-/// The position of the eye, or the direction towards it, in model space.
-fn eye_in_model(camera: &ViewProjection, model: &DMat4) -> Eye {
-    let from_view = (camera.view * model).inverse();
-    // Lines of sight are parallel where clip w does not depend on the depth.
-    if camera.projection.row(3).z == 0.0 {
-        Eye::Towards(from_view.transform_vector3(DVec3::Z))
-    } else {
-        Eye::At(from_view.transform_point3(DVec3::ZERO))
-    }
 }
 
 /// The columns of three matrices, in the order of `exact/surface.tese`: from the driver's points to

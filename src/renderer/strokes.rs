@@ -7,7 +7,9 @@ use std::sync::Arc;
 use glam::{DMat4, Mat4, Vec4};
 use glow::HasContext;
 
+use super::draw_list::DrawList;
 use super::draws::PlanKey;
+use super::solids::Solids;
 use super::surface::{PreparedSurface, to_bytes};
 use super::uniforms::set_lights;
 use super::{Frame, Renderer, set_aovs};
@@ -91,7 +93,7 @@ impl Strokes {
         !self.closing.runs.is_empty()
     }
 
-    /// Brings the segments up to date with the surfaces, whose state has the number `state`, and the frame.
+    /// Brings the segments up to date with the surfaces, the frame, and the list that is up to date with both.
     ///
     /// # Errors
     /// No memory.
@@ -100,17 +102,18 @@ impl Strokes {
         renderer: &Renderer,
         surfaces: &[PreparedSurface],
         frame: &Frame,
-        state: u64,
+        list: &DrawList,
     ) -> Result<()> {
         let settings = &frame.settings;
         let view = PlanKey::new(frame, settings.tessellation);
-        let key = SegmentsKey { view, state, edges: None };
+        let key = SegmentsKey { view, state: list.state(), edges: None };
+        let solids = list.solids();
         let (joints, is_exact) = (&self.joints, settings.method == Method::Exact);
         match settings.tessellation {
             Tessellation::Within(tolerance) if is_exact && !settings.wireframe => {
                 let view = StrokeView::new(&frame.camera, key.view.size, tolerance.pixels());
                 self.closing.update(renderer, key, &view, || {
-                    joints.iter().filter_map(|joint| joint.placed(surfaces)).collect()
+                    joints.iter().filter_map(|joint| joint.placed(surfaces, solids)).collect()
                 })?;
             }
             _ => self.closing.clear(),
@@ -126,7 +129,7 @@ impl Strokes {
                 self.lines.update(renderer, key, &view, || {
                     joints
                         .iter()
-                        .filter_map(|joint| joint.line(surfaces, edges, off_faces))
+                        .filter_map(|joint| joint.line(surfaces, solids, edges, off_faces))
                         .collect()
                 })?;
             }
@@ -196,7 +199,11 @@ impl SurfaceJoint {
 
     /// The joint in its place, whose gap is to be closed; `None` if a surface is hidden or no longer as the joint was
     /// made for.
-    fn placed<'a>(&'a self, surfaces: &'a [PreparedSurface]) -> Option<(Shading, PlacedJoint<'a>)> {
+    fn placed<'a>(
+        &'a self,
+        surfaces: &'a [PreparedSurface],
+        solids: &Solids,
+    ) -> Option<(Shading, PlacedJoint<'a>)> {
         let shown = self.shown(surfaces)?;
         if !self.closes_gap || shown != [true; 2] {
             return None;
@@ -209,13 +216,14 @@ impl SurfaceJoint {
         let size = |of: &PreparedSurface| scale(of.surface().transform) * of.points_scale();
         let gap = scale(self.transform(surfaces)) * self.joint().gap
             + ROUNDING * size(one).max(size(other));
-        Some((one.shading(), self.with(surfaces, gap, None)))
+        Some((one.shading(), self.with(surfaces, solids, gap, None)))
     }
 
     /// The line along the joint.
     fn line<'a>(
         &'a self,
         surfaces: &'a [PreparedSurface],
+        solids: &Solids,
         edges: &Edges,
         off_faces: f64,
     ) -> Option<(Shading, PlacedJoint<'a>)> {
@@ -230,7 +238,7 @@ impl SurfaceJoint {
         let half_width = 0.5 * edges.width.pixels();
         let nearer = half_width + off_faces;
         let line = StrokeLine { half_width, color: to_bytes(edges.color), nearer, shown };
-        Some((Shading::Unlit, self.with(surfaces, 0.0, Some(line))))
+        Some((Shading::Unlit, self.with(surfaces, solids, 0.0, Some(line))))
     }
 
     /// Which of the surfaces are drawn; `None` if one is no longer as the joint was made for.
@@ -256,6 +264,7 @@ impl SurfaceJoint {
     fn with<'a>(
         &'a self,
         surfaces: &'a [PreparedSurface],
+        solids: &Solids,
         gap: f64,
         line: Option<StrokeLine>,
     ) -> PlacedJoint<'a> {
@@ -274,8 +283,14 @@ impl SurfaceJoint {
             }
         };
         let transform = self.transform(surfaces);
-        let (pieces, chords) = (&joint.pieces, &joint.chords);
-        PlacedJoint { pieces, chords, transform, sides: [side(0), side(1)], gap, line }
+        let outside = match self.surfaces.map(|number| solids.seen(number)) {
+            [Some((eye, solid, one)), Some((_, same, other))] if solid == same => {
+                Some((eye, [one, other]))
+            }
+            _ => None,
+        };
+        let (pieces, ranges) = (&joint.pieces, &joint.ranges);
+        PlacedJoint { pieces, ranges, transform, sides: [side(0), side(1)], gap, line, outside }
     }
 }
 

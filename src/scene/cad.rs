@@ -11,7 +11,9 @@ use glam::DMat4;
 use super::file::{check_is_file, extension, unreadable};
 use super::{LoadOptions, Paint, Surface};
 use crate::error::Result;
-use crate::model::{ENDED, ImportOptions, Instance, Joint, Model, import, is_cad_file};
+use crate::model::{
+    DrawnFace, ENDED, ImportOptions, Instance, Joint, Model, Outside, import, is_cad_file,
+};
 
 /// A CAD model in a scene. Its faces are surfaces of the scene, which name the model by its number.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +30,10 @@ pub struct CadModel {
     pub left_out: Vec<(usize, String)>,
     /// Where its faces meet.
     pub joints: Arc<[Joint]>,
+    /// Which of its faces enclose solids.
+    pub outsides: Arc<[Option<Outside>]>,
+    /// Its faces as they were read, without a place; `None` for those that are left out.
+    faces: Arc<[Option<Surface>]>,
 }
 
 /// The face of a CAD model that a surface is.
@@ -95,24 +101,27 @@ impl CadModel {
     ) -> Result<(Self, Vec<Surface>)> {
         let diagonal = model.diagonal();
         let faces = model.drawn_faces();
-        let joints = model.joints(&faces, diagonal).into();
-        let faces: Vec<_> = faces
-            .into_iter()
-            .map(|face| face.map(|face| (Surface::from_nurbs(face.surface), face.trims)))
-            .collect();
-        let left_out =
-            |(number, face): (usize, &Result<_>)| Some((number, face.as_ref().err()?.to_string()));
-        let left_out: Vec<_> = faces.iter().enumerate().filter_map(left_out).collect();
-        for (face, reason) in &left_out {
-            log::warn!("{}: face {face} is left out: {reason}", path.display());
-        }
+        let joints = model.joints(&faces, diagonal);
+        let outsides = model.outsides(&faces, &joints).into();
+        let mut left_out = Vec::new();
+        let mut surface_of = |(number, face): (usize, Result<DrawnFace>)| match face {
+            Ok(face) => {
+                let mut surface = Surface::from_nurbs(face.surface);
+                surface.trims = face.trims;
+                Some(surface)
+            }
+            Err(reason) => {
+                log::warn!("{}: face {number} is left out: {reason}", path.display());
+                left_out.push((number, reason.to_string()));
+                None
+            }
+        };
+        let faces: Arc<[_]> = faces.into_iter().enumerate().map(&mut surface_of).collect();
         let mut surfaces = Vec::new();
         for (instance, Instance { face, placement, color: own }) in
             model.instances()?.into_iter().enumerate()
         {
-            let Ok((surface, trims)) = &faces[face] else { continue };
-            let mut surface = surface.clone();
-            surface.trims = trims.clone();
+            let Some(mut surface) = faces[face].clone() else { continue };
             surface.transform = transform * DMat4::from(placement);
             surface.paint = Paint::Color(color_of(color, own));
             surface.face = Some(FaceOfModel { model: number, face, instance });
@@ -130,9 +139,17 @@ impl CadModel {
             transform,
             color,
             left_out,
-            joints,
+            joints: joints.into(),
+            outsides,
+            faces,
         };
         Ok((model, surfaces))
+    }
+
+    /// Whether a surface still has the points and trims of one of its faces.
+    pub(crate) fn has_face(&self, face: usize, surface: &Surface) -> bool {
+        let as_read = self.faces.get(face).and_then(Option::as_ref);
+        as_read.is_some_and(|as_read| surface.has_shape_of(as_read))
     }
 
     /// The colours of the faces in all places as the file and the model's own colour give them.

@@ -230,6 +230,11 @@ impl Surface {
         Ok(())
     }
 
+    /// Whether it has the same control points, without a comparison of each, and the same trims as another.
+    pub(crate) fn has_shape_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.patch_points, &other.patch_points) && self.trims == other.trims
+    }
+
     /// The patches in order.
     pub fn patches(&self) -> impl ExactSizeIterator<Item = Patch<'_>> + '_ {
         self.patch_points

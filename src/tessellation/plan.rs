@@ -110,8 +110,8 @@ pub(crate) struct SurfacePatches<'a> {
     pub(crate) to_clip: ToClip,
     pub(crate) rounding: Rounding,
     pub(crate) cones: &'a [NormalCone],
-    /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the surface's
-    /// matrix mirrors, otherwise 1.
+    /// For surfaces whose back-facing patches are culled: the viewpoint, and −1 if the front is the
+    /// side from which u and v turn clockwise in the surface's own space, otherwise 1.
     pub(crate) back: Option<(Eye, f64)>,
     /// Whether nothing of it is drawn.
     pub(crate) hidden: bool,

@@ -12,8 +12,9 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2, Vec3};
 
+use super::Eye;
 use crate::camera::ViewProjection;
-use crate::model::{Beside, JointPiece};
+use crate::model::{Beside, JointPiece, JointRange};
 use crate::scene::Image;
 
 /// The share of the tolerance that is left to the triangles of surfaces with joints.
@@ -105,8 +106,7 @@ impl StrokeSide<'_> {
 /// A joint in its place.
 pub(crate) struct PlacedJoint<'a> {
     pub(crate) pieces: &'a [JointPiece],
-    /// As [`crate::model::Joint::chords`].
-    pub(crate) chords: &'a [f64],
+    pub(crate) ranges: &'a [JointRange],
     /// From the model to world space.
     pub(crate) transform: DMat4,
     pub(crate) sides: [StrokeSide<'a>; 2],
@@ -114,6 +114,33 @@ pub(crate) struct PlacedJoint<'a> {
     pub(crate) gap: f64,
     /// What is drawn instead of what closes the gap.
     pub(crate) line: Option<StrokeLine>,
+    /// If both faces enclose a solid that is seen from outside: the viewpoint in the model, and for each face 1 if its
+    /// normal ∂u × ∂v points out of the solid, else −1.
+    pub(crate) outside: Option<(Eye, [f64; 2])>,
+}
+
+impl PlacedJoint<'_> {
+    /// Whether both faces face away along a range of the pieces, so that the solid itself hides it.
+    fn is_hidden(&self, number: usize, pieces: &[JointPiece]) -> bool {
+        let Some((eye, signs)) = self.outside else { return false };
+        let JointRange { off, normals, sines } = self.ranges[number];
+        let (start, end) = (pieces[0].points[0], pieces[pieces.len() - 1].points[3]);
+        // All lines of sight to the range differ from one of them by an angle with this sine at most.
+        let (sight, spread) = match eye {
+            Eye::Towards(direction) => (-direction.normalize_or_zero(), 0.0),
+            Eye::At(eye) => {
+                let to_middle = start.midpoint(end) - eye;
+                let distance = to_middle.length();
+                (to_middle / distance, (0.5 * start.distance(end) + off) / distance)
+            }
+        };
+        (0..2).all(|face| {
+            let sine = f64::from(sines[face]);
+            let least = sine * (1.0 - spread * spread).sqrt() + spread * (1.0 - sine * sine).sqrt();
+            sine * sine + spread * spread < 1.0
+                && signs[face] * normals[face].as_dvec3().dot(sight) > least
+        })
+    }
 }
 
 /// How a line along a joint is drawn.
@@ -150,9 +177,7 @@ impl StrokeView {
         let projection = camera.projection;
         let half = 0.5 * size.as_dvec2();
         let is_parallel = projection.row(3).z == 0.0;
-        // Where z = −w.
-        let (z, w) = (projection.row(2), projection.row(3));
-        let near = (z.w + w.w) / (z.z + w.z);
+        let near = camera.nearest();
         let scale = DVec2::new(projection.x_axis.x, projection.y_axis.y).abs() * half;
         // Oblique lines of sight magnify displacements along them.
         let slope = if is_parallel { DVec2::ZERO } else { half / scale };
@@ -199,7 +224,7 @@ impl StrokeView {
         let is_flat = joint.sides.iter().all(|side| side.is_flat);
         let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
         let [Some(first), Some(last)] = [joint.pieces.first(), joint.pieces.last()] else { return };
-        let is_closed = first.points[0].distance(last.points[3]) <= CLOSED * joint.chords[0];
+        let is_closed = first.points[0].distance(last.points[3]) <= CLOSED * joint.ranges[0].off;
         let part = |pieces: &[JointPiece], is_end: [bool; 2]| {
             let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
             let [a, b, c, d] = if pieces.len() == 1 {
@@ -220,13 +245,17 @@ impl StrokeView {
         // Ranges of pieces, from the whole joint: those that are straight enough become one segment.
         let mut ranges = vec![(0, 0..joint.pieces.len())];
         while let Some((number, range)) = ranges.pop() {
+            let pieces = &joint.pieces[range.clone()];
+            if joint.is_hidden(number, pieces) {
+                continue;
+            }
             let is_end = [range.start == 0, range.end == joint.pieces.len()];
-            let part = part(&joint.pieces[range.clone()], is_end);
+            let part = part(pieces, is_end);
             if range.len() == 1 {
                 self.add_part(joint, faces_error, part, 0, segments);
                 continue;
             }
-            let off = scale * joint.chords[number];
+            let off = scale * joint.ranges[number].off;
             match self.look(joint, faces_error, &part, off, 0) {
                 Look::Outside => {}
                 Look::Straight(half_width) => {

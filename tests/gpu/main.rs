@@ -23,6 +23,7 @@ mod obj_files;
 mod program_interface;
 #[cfg(feature = "svg")]
 mod scene_text;
+mod solids;
 mod surface;
 mod tessellation;
 mod tessellation_errors;

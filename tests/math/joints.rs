@@ -1,6 +1,6 @@
 //! Joints of models: what meets along each edge, against the classes of [`Model::continuity`].
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use freeform_surface::LoadOptions;
 use freeform_surface::model::{Continuity, Joint, JointKind, Model};
@@ -52,4 +52,37 @@ fn kinds_of_joints_are_the_classes_of_their_edges() {
     let names: Vec<_> = counts.keys().copied().collect();
     assert_eq!(names, ["open", "seam", "sharp", "smooth"], "{counts:?}");
     assert!(counts.values().all(|count| *count > 2), "{counts:?}");
+}
+
+#[test]
+fn the_outside_of_closed_solids_is_known_whatever_their_faces_say() {
+    for name in ["assembly", "blade", "bracket", "flange"] {
+        let mut model = load(name);
+        // In the stored models `reversed` tells the outside (`model_solids.rs` computes the volumes with it).
+        let told: Vec<f64> =
+            model.faces.iter().map(|face| if face.reversed { -1.0 } else { 1.0 }).collect();
+        model.faces.iter_mut().for_each(|face| face.reversed = false);
+        let faces = model.drawn_faces();
+        let joints = model.joints(&faces, model.diagonal());
+        let found = model.outsides(&faces, &joints);
+        let signs: Vec<f64> = found.iter().map(|outside| outside.unwrap().sign).collect();
+        assert_eq!(signs, told, "{name}");
+        // The faces of a product are one solid.
+        for product in &model.products {
+            let [first, count] = product.faces;
+            let solids = found[first..first + count].iter().map(|outside| outside.unwrap().solid);
+            let solids: BTreeSet<usize> = solids.collect();
+            assert_eq!(solids.len(), count.min(1), "{name}");
+        }
+        // A face that is not drawn leaves its solid open, and no other.
+        let mut without = model.drawn_faces();
+        without[0] = Err(freeform_surface::Error::invalid("face", "left out", "drawn"));
+        let joints = model.joints(&without, model.diagonal());
+        let opened = model.outsides(&without, &joints);
+        let of_first = found[0].unwrap().solid;
+        for (before, after) in found.iter().zip(opened) {
+            let is_open = before.unwrap().solid == of_first;
+            assert_eq!(after.is_none(), is_open, "{name}");
+        }
+    }
 }
