@@ -57,7 +57,8 @@ impl PreparedScene {
         let mut strokes = Strokes::default();
         if !scene.surfaces.is_empty() {
             let Neighbours { table, centerings, raised } = neighbours(scene);
-            strokes = Strokes::new(all_joints(scene, &table));
+            let models = scene.models.iter().map(|model| Arc::clone(&model.model)).collect();
+            strokes = Strokes::new(all_joints(scene, &table), models);
             let mut points = Vec::with_capacity(scene.surfaces.len());
             for ((surface, raised), centering) in scene.surfaces.iter().zip(&raised).zip(centerings)
             {
@@ -193,6 +194,7 @@ fn all_joints(scene: &Scene, table: &EdgeTable) -> Vec<SurfaceJoint> {
             surfaces,
             patches: [0, 1].map(|i| firsts[surfaces[i]] + patches[i]),
             closes_gap: true,
+            model: None,
             made_for: Some(surfaces.map(|surface| scene.surfaces[surface].transform)),
         }
     }));
@@ -229,6 +231,7 @@ fn joints_of_models(scene: &Scene, firsts: &[usize]) -> Vec<SurfaceJoint> {
                 patches: [number, *other].map(|surface| firsts[surface]),
                 closes_gap: joints[*joint].kind != JointKind::Open
                     && [number, *other].iter().all(|surface| scene.surfaces[*surface].join),
+                model: Some(model),
                 made_for: None,
             }));
         }

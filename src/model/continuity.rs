@@ -54,6 +54,20 @@ impl Continuity {
             Self::G2 => "G2",
         }
     }
+
+    /// The colour of its edges in pictures: red, green and blue, each 0 … 1. People who lack a kind of cones can tell
+    /// them apart, on grey too (Okabe, Ito 2008).
+    #[must_use]
+    pub const fn color(self) -> [f32; 3] {
+        match self {
+            Self::Gap => [0.835, 0.369, 0.0],
+            Self::Open => [0.8, 0.475, 0.655],
+            Self::NonManifold => [0.941, 0.894, 0.259],
+            Self::G0 => [0.0, 0.0, 0.0],
+            Self::G1 => [0.337, 0.706, 0.914],
+            Self::G2 => [0.0, 0.447, 0.698],
+        }
+    }
 }
 
 /// The use of an edge by a face.

@@ -8,8 +8,8 @@ use freeform_surface::model::{
     BoundedCurve, Coedge, Curve, Edge, Face, FaceSurface, Frame as Axes, JointKind, Model, Product,
 };
 use freeform_surface::{
-    Camera, Edges, Error, Frame, Framebuffer, Image, Lens, LineWidth, Paint, Samples, Scene,
-    Shading, TessLevel, Tessellation, ViewProjection,
+    Camera, EdgeColor, Edges, Error, Frame, Framebuffer, Image, Lens, LineWidth, Paint, Samples,
+    Scene, Shading, TessLevel, Tessellation, ViewProjection,
 };
 use glam::{DAffine3, DVec2, DVec3, dvec3, uvec2};
 
@@ -45,7 +45,7 @@ fn in_black(scene: Scene, width: f64, smooth: bool) -> Scene {
     let mut scene = Scene { settings: within(0.5), ..scene };
     scene.settings.background = [0.0, 0.0, 0.0, 1.0];
     let width = LineWidth::new(width).unwrap();
-    scene.settings.edges = Some(Edges { width, color: [1.0; 3], smooth });
+    scene.settings.edges = Some(Edges { width, color: EdgeColor::Rgb([1.0; 3]), smooth });
     for surface in &mut scene.surfaces {
         surface.shading = Shading::Unlit;
         surface.paint = Paint::Color([0.0; 3]);
@@ -345,7 +345,7 @@ fn the_setting_is_written_and_read_again() {
             "edges = { width = 2, color = [1, 0.5, 0], smooth = true }",
             Some(Edges {
                 width: LineWidth::new(2.0).unwrap(),
-                color: [1.0, 0.5, 0.0],
+                color: EdgeColor::Rgb([1.0, 0.5, 0.0]),
                 smooth: true,
             }),
         ),

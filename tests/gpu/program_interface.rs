@@ -231,7 +231,9 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             };
             let degree = Some(degree).filter(|_| !has(5));
             let shared = has(4);
-            let pipeline = Pipeline::Exact { degree, samples, patches, shared, painting, normals };
+            let isolines = has(2);
+            let pipeline =
+                Pipeline::Exact { degree, samples, patches, shared, painting, normals, isolines };
             let key =
                 ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
             let program = Sources::default()
