@@ -1,8 +1,8 @@
 // Isolines: lines of equal u and of equal v on a surface. A pixel gets the colour of a line by the share of it that the
 // line covers.
 //
-// The triangles tell (u, v) near the pixel. The true patch is evaluated there, and its tangents tell where the line is
-// that passes by. So a line lies where the surface has it, wherever the triangles lie within the tolerance.
+// The triangles tell (u, v) near the pixel. The true patch is evaluated there, and where its tangents say that the line
+// passes by. So a line lies where the surface has it, wherever the triangles lie within the tolerance.
 
 layout(location = 26) uniform vec4 viewport; // first pixel, half of width and height
 layout(location = 42) uniform vec2 isolines; // lines of each direction, half of the width in pixels
@@ -19,27 +19,38 @@ layout(binding = 4) uniform samplerBuffer surfaces;
 layout(location = 27) uniform mat4 toClip;
 #endif
 
-// Only lines that are at most so many times half of their width away on the surface, as the tangents tell it, are drawn:
-// near silhouettes, tangents tell nothing about what is far away.
+// A line is looked for at most so many times half of its width away.
 const float REACH = 16.0;
 
-// How far a line lies beside a pixel that is `off` from a point, in pixels, if a step `across` leads from the point to
-// the line, which runs `along`.
-float beside(vec2 off, vec2 across, vec2 along)
+// A point of the patch as the picture shows it, in pixels from the middle of the viewport, and its derivatives along u
+// and v.
+struct Seen {
+    vec2 place;
+    vec2 along[2];
+    bool isBefore; // in front of the eye
+};
+
+Seen see(mat4 toClip, PATCH points, vec2 t)
 {
-    float size = dot(along, along);
-    float reach = REACH * (isolines.y + 0.5);
-    // At a pole, the line is a point.
-    if (!(size > 0.0) || dot(across, across) > reach * reach + 4.0 * dot(off, off))
-        return 1e30;
-    vec2 left = off - across;
-    return abs(left.x * along.y - left.y * along.x) * inversesqrt(size);
+    vec4 point;
+    POINT du, dv;
+    evaluate(points, t, 1.0 - t, point, du, dv);
+    vec3 clip = (toClip * point).xyw;
+#ifdef RATIONAL
+    vec3 clipU = (toClip * du).xyw, clipV = (toClip * dv).xyw;
+#else
+    vec3 clipU = (toClip * vec4(du, 0.0)).xyw, clipV = (toClip * vec4(dv, 0.0)).xyw;
+#endif
+    vec2 place = clip.xy / clip.z;
+    vec2 along[2] = vec2[](viewport.zw * (clipU.xy - place * clipU.z) / clip.z,
+        viewport.zw * (clipV.xy - place * clipV.z) / clip.z);
+    return Seen(viewport.zw * place, along, clip.z > 0.0);
 }
 
 // The share of a pixel at (u, v) of the patch that lines cover, from 0 to 1.
 float isolineShare(vec2 uv)
 {
-    vec2 t = clamp(uv, 0.0, 1.0), s = 1.0 - t;
+    vec2 t = clamp(uv, 0.0, 1.0);
 #ifdef SHARED
     int columns = int(passPlace.z) * 12;
     mat4 toClip = mat4(texelFetch(surfaces, columns), texelFetch(surfaces, columns + 1),
@@ -51,25 +62,38 @@ float isolineShare(vec2 uv)
 #endif
     PATCH points;
     fetchPatch(int(passPlace.x), points);
-    vec4 point;
-    POINT du, dv;
-    evaluate(points, t, s, point, du, dv);
-    // On the screen, in pixels from the middle of the viewport.
-    vec3 clip = (toClip * point).xyw;
-#ifdef RATIONAL
-    vec3 clipU = (toClip * du).xyw, clipV = (toClip * dv).xyw;
-#else
-    vec3 clipU = (toClip * vec4(du, 0.0)).xyw, clipV = (toClip * vec4(dv, 0.0)).xyw;
-#endif
-    vec2 place = clip.xy / clip.z;
-    vec2 alongU = viewport.zw * (clipU.xy - place * clipU.z) / clip.z;
-    vec2 alongV = viewport.zw * (clipV.xy - place * clipV.z) / clip.z;
-    vec2 off = gl_FragCoord.xy - viewport.xy - viewport.zw * (1.0 + place);
+    vec2 pixel = gl_FragCoord.xy - viewport.xy - viewport.zw;
+    Seen here = see(toClip, points, t);
+    vec2 off = pixel - here.place;
 
     // The nearest lines, and the steps to them in the parameters of the patch.
     vec4 domain = texelFetch(domains, int(passPlace.y));
     vec2 number = clamp(floor((domain.xy + t * domain.zw) * isolines.x), 0.0, isolines.x - 1.0);
     vec2 steps = ((number + 0.5) / isolines.x - domain.xy) / domain.zw - t;
-    float off_line = min(beside(off, steps.x * alongU, alongV), beside(off, steps.y * alongV, alongU));
-    return clamp(isolines.y + 0.5 - off_line, 0.0, min(1.0, 2.0 * isolines.y));
+
+    float halfWidth = isolines.y + 0.5; // with half of a pixel
+    float nearest = 1e30;
+    for (int i = 0; i < 2; ++i) {
+        // By the tangents here, the point of the line that is nearest to the pixel. Tangents are right about what is
+        // near, but at a silhouette everything along it seems near: the point is evaluated.
+        vec2 across = steps[i] * here.along[i], along = here.along[1 - i];
+        float far = dot(across, across) - 4.0 * dot(off, off);
+        float size = dot(along, along);
+        if (!(size > 0.0) || far > REACH * REACH * halfWidth * halfWidth)
+            continue;
+        vec2 foot = t;
+        foot[i] += steps[i];
+        foot[1 - i] += dot(off - across, along) / size;
+        Seen there = see(toClip, points, foot);
+        vec2 left = pixel - there.place;
+        along = there.along[1 - i];
+        size = dot(along, along);
+        if (!there.isBefore || !(size > 0.0))
+            continue;
+        along *= inversesqrt(size);
+        // Where the line bends much, the point is not the nearest one, and the line may end before.
+        float beyond = abs(dot(left, along)) - length(off) - 1.0;
+        nearest = min(nearest, max(abs(left.x * along.y - left.y * along.x), beyond));
+    }
+    return clamp(halfWidth - nearest, 0.0, min(1.0, 2.0 * isolines.y));
 }

@@ -78,12 +78,10 @@ fn edge_color(text: &str) -> Result<EdgeColor, String> {
 }
 
 fn isolines(text: &str) -> Result<Count, String> {
-    match text.parse() {
-        Ok(0) => Ok(None),
-        Ok(count) => IsolineCount::new(count).map(Some).map_err(drop),
-        Err(_) => Err(()),
-    }
-    .map_err(|()| "expected a whole number from 0 to 1000".into())
+    text.parse()
+        .ok()
+        .and_then(|count| IsolineCount::or_none(count).ok())
+        .ok_or_else(|| "expected a whole number from 0 to 1000".into())
 }
 
 fn up_axis(text: &str) -> Result<UpAxis, String> {

@@ -198,7 +198,7 @@ impl std::str::FromStr for Normals {
 }
 
 /// How the edges of CAD models are drawn: those of one face, those of two faces at an angle, but no seam, where a face
-/// meets itself.
+/// meets itself. With [`EdgeColor::Continuity`], all edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edges {
     /// The width of the lines.
@@ -278,7 +278,20 @@ impl IsolineCount {
     pub fn new(count: i64) -> Result<Self> {
         match u32::try_from(count) {
             Ok(count @ 1..=1000) => Ok(Self(count)),
-            _ => Err(Error::invalid("isolines", count, "a whole number from 1 to 1000")),
+            _ => Err(Error::invalid("number of isolines", count, "a whole number from 1 to 1000")),
+        }
+    }
+
+    /// A number of lines, or `None` for 0.
+    ///
+    /// # Errors
+    /// Anything outside 0 … 1000.
+    pub fn or_none(count: i64) -> Result<Option<Self>> {
+        match count {
+            0 => Ok(None),
+            _ => Self::new(count).map(Some).map_err(|_| {
+                Error::invalid("number of isolines", count, "a whole number from 0 to 1000")
+            }),
         }
     }
 

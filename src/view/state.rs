@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Camera, Edges, Error, FrameStats, Isolines, Method, Paint, Result, Scene, Smoothing,
-    TessLevel, Tessellation, Tolerance, Trims, ViewProjection,
+    Alpha, Camera, Edges, FrameStats, Isolines, Method, Paint, Result, Scene, Smoothing, TessLevel,
+    Tessellation, Tolerance, Trims, ViewProjection,
 };
 use glam::{DVec2, dvec2};
 

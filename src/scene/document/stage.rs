@@ -85,19 +85,16 @@ fn edges_of(value: EdgesValue) -> Result<Option<Edges>> {
     }
 }
 
-/// Without lines, there are no isolines.
 fn isolines_of(value: IsolinesValue) -> Result<Option<Isolines>> {
     let default = Isolines::default();
     let IsolinesTable { count, width, color } = match value {
-        IsolinesValue::Count(0) => return Ok(None),
         IsolinesValue::Count(count) => {
             IsolinesTable { count: Some(count), ..IsolinesTable::default() }
         }
         IsolinesValue::As(table) => table,
     };
-    Ok(Some(Isolines {
-        count: count.map_or(Ok(default.count), IsolineCount::new)?,
-        width: width.map_or(Ok(default.width), LineWidth::new)?,
-        color: unit_range("color", color.unwrap_or(default.color))?,
-    }))
+    let count = count.map_or(Ok(Some(default.count)), IsolineCount::or_none)?;
+    let width = width.map_or(Ok(default.width), LineWidth::new)?;
+    let color = unit_range("color", color.unwrap_or(default.color))?;
+    Ok(count.map(|count| Isolines { count, width, color }))
 }
