@@ -71,11 +71,14 @@ float isolineShare(vec2 uv)
     vec2 number = clamp(floor((domain.xy + t * domain.zw) * isolines.x), 0.0, isolines.x - 1.0);
     vec2 steps = ((number + 0.5) / isolines.x - domain.xy) / domain.zw - t;
 
+    vec2 first = -domain.xy / domain.zw, last = (1.0 - domain.xy) / domain.zw; // of the surface
+
     float halfWidth = isolines.y + 0.5; // with half of a pixel
     float nearest = 1e30;
     for (int i = 0; i < 2; ++i) {
         // By the tangents here, the point of the line that is nearest to the pixel. Tangents are right about what is
-        // near, but at a silhouette everything along it seems near: the point is evaluated.
+        // near, but at a silhouette everything along it seems near: the point is evaluated. It may be in the next patch,
+        // of which this one tells enough, but not beyond the surface.
         vec2 across = steps[i] * here.along[i], along = here.along[1 - i];
         float far = dot(across, across) - 4.0 * dot(off, off);
         float size = dot(along, along);
@@ -84,6 +87,7 @@ float isolineShare(vec2 uv)
         vec2 foot = t;
         foot[i] += steps[i];
         foot[1 - i] += dot(off - across, along) / size;
+        foot[1 - i] = clamp(foot[1 - i], first[1 - i], last[1 - i]);
         Seen there = see(toClip, points, foot);
         vec2 left = pixel - there.place;
         along = there.along[1 - i];
@@ -91,7 +95,7 @@ float isolineShare(vec2 uv)
         if (!there.isBefore || !(size > 0.0))
             continue;
         along *= inversesqrt(size);
-        // Where the line bends much, the point is not the nearest one, and the line may end before.
+        // Where the line bends much, the point is not the nearest one; and the line may end there.
         float beyond = abs(dot(left, along)) - length(off) - 1.0;
         nearest = min(nearest, max(abs(left.x * along.y - left.y * along.x), beyond));
     }
