@@ -118,9 +118,10 @@ pub use bezier::{Degree, NurbsSurface, Patch, SurfacePoint};
 pub use camera::{Camera, Lens, ViewProjection};
 pub use mesh::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 pub use scene::{
-    CadModel, Cull, Edges, FaceOfModel, Image, Light, LineWidth, LoadOptions, Material, MeshModel,
-    Method, Normals, Paint, RenderSettings, Samples, Scene, SceneText, Shading, Surface, TessLevel,
-    Tessellation, Tolerance, UpAxis, Viewpoint, default_control_points, load_texture,
+    CadModel, Cull, EdgeColor, Edges, FaceOfModel, Image, IsolineCount, Isolines, Light, LineWidth,
+    LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene,
+    SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint,
+    default_control_points, load_texture,
 };
 pub use thesis::newton::Newton;
 pub use trim::{

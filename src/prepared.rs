@@ -58,7 +58,8 @@ impl PreparedScene {
         if !scene.surfaces.is_empty() {
             let Neighbours { table, centerings, raised } = neighbours(scene);
             let places = places_of_faces(scene);
-            strokes = Strokes::new(all_joints(scene, &table, &places));
+            let models = scene.models.iter().map(|model| Arc::clone(&model.model)).collect();
+            strokes = Strokes::new(all_joints(scene, &table, &places), models);
             let mut points = Vec::with_capacity(scene.surfaces.len());
             for ((surface, raised), centering) in scene.surfaces.iter().zip(&raised).zip(centerings)
             {
@@ -208,6 +209,7 @@ fn all_joints(
             surfaces,
             patches: [0, 1].map(|i| firsts[surfaces[i]] + patches[i]),
             closes_gap: true,
+            model: None,
             made_for: Some(surfaces.map(|surface| scene.surfaces[surface].transform)),
         }
     }));
@@ -249,6 +251,7 @@ fn joints_of_models(
                 patches: [number, *other].map(|surface| firsts[surface]),
                 closes_gap: joints[*joint].kind != JointKind::Open
                     && [number, *other].iter().all(|surface| scene.surfaces[*surface].join),
+                model: Some(model),
                 made_for: None,
             }));
         }

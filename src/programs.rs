@@ -108,6 +108,10 @@ pub mod location {
     pub const RAY_DIRECTION: u32 = 39;
     /// `depthTerms`.
     pub const DEPTH_TERMS: u32 = 40;
+    /// `isolines`.
+    pub const ISOLINES: u32 = 42;
+    /// `isolineColor`.
+    pub const ISOLINE_COLOR: u32 = 43;
 }
 
 /// Binding point of the storage buffer `trimPointsSsbo`, as in listing 13.
@@ -150,6 +154,8 @@ pub enum Pipeline {
         painting: Painting,
         /// Whether normals are evaluated per vertex or per pixel.
         normals: Normals,
+        /// Whether there are lines of equal u and of equal v; in pictures only.
+        isolines: bool,
     },
     /// Smooth triangles of meshes.
     Triangles {
@@ -334,7 +340,7 @@ macro_rules! glsl {
 }
 
 /// Every shader file of `glsl/`: its path there and its text.
-const FILES: [(&str, &str); 27] = glsl![
+const FILES: [(&str, &str); 28] = glsl![
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
@@ -348,6 +354,7 @@ const FILES: [(&str, &str); 27] = glsl![
     "exact/surface.tesc",
     "exact/surface.tese",
     "exact/surface.frag",
+    "exact/isolines.glsl",
     "exact/stroke.vert",
     "exact/stroke.frag",
     "thesis/surface.vert",
@@ -421,14 +428,16 @@ impl Sources {
             phong: key.shading == Shading::Phong,
             trimmed: key.trims.any(),
             pixel_normals: false,
+            isolines: false,
         };
         let mut on: Vec<(&'static str, bool)> = Vec::new();
         if let Pipeline::Thesis(degree) = key.pipeline {
             defines.push(("SIDE", degree.columns() as u32));
         }
         let mut painting = Painting::Picture;
-        if let Pipeline::Exact { degree, patches, shared, painting: own, normals, .. } =
-            key.pipeline
+        if let Pipeline::Exact {
+            degree, patches, shared, painting: own, normals, isolines, ..
+        } = key.pipeline
         {
             painting = own;
             if let Some(degree) = degree {
@@ -437,6 +446,7 @@ impl Sources {
             }
             facts.pixel_normals =
                 normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
+            facts.isolines = isolines && key.output == Output::Picture;
             on.extend([
                 ("SHARED", shared),
                 ("ANY_DEGREE", degree.is_none()),
@@ -444,6 +454,7 @@ impl Sources {
                 ("RATIONAL", patches != PatchKind::Polynomial),
                 ("DEGENERATE", patches == PatchKind::Degenerate),
                 ("PIXEL_NORMALS", facts.pixel_normals),
+                ("ISOLINES", facts.isolines),
             ]);
         }
         if let Pipeline::Strokes { lines, .. } = key.pipeline {

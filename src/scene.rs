@@ -34,8 +34,8 @@ pub(crate) use joined::joined;
 pub use model::{Material, MeshModel};
 pub(crate) use settings::CONTROL_POINT_PX;
 pub use settings::{
-    Edges, Light, LineWidth, Method, Normals, RenderSettings, Samples, TessLevel, Tessellation,
-    Tolerance, UpAxis,
+    EdgeColor, Edges, IsolineCount, Isolines, Light, LineWidth, Method, Normals, RenderSettings,
+    Samples, TessLevel, Tessellation, Tolerance, UpAxis,
 };
 pub(crate) use surface::check_transform;
 pub use surface::{Cull, Paint, Shading, Surface, default_control_points};

@@ -71,6 +71,9 @@ void main()
 #else
     fragmentColor = vec4(diffuseColor, 1.0);
 #endif
+#ifdef ISOLINES
+    fragmentColor.rgb = mix(fragmentColor.rgb, isolineColor, isolineShare(passTessCoord));
+#endif
 #ifdef FAR_DEPTH
     gl_FragDepth = -position.z * depthScale;
 #endif

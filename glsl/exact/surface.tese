@@ -35,11 +35,11 @@ layout(location = 2) out vec4 position;      // view space
 #ifdef AOV
 layout(location = 3) flat out uint passPatch;
 #endif
-#ifdef PIXEL_NORMALS
+#if defined(PIXEL_NORMALS) || defined(ISOLINES)
 layout(location = 4) flat out uvec4 passPlace;
-#ifdef DEGENERATE
-layout(location = 5) flat out vec2 passLongest;
 #endif
+#if defined(PIXEL_NORMALS) && defined(DEGENERATE)
+layout(location = 5) flat out vec2 passLongest;
 #endif
 #ifdef TRIMMED
 layout(location = 7) flat out uint passTrims;
@@ -116,11 +116,11 @@ void main()
 #ifdef AOV
     passPatch = placeOfPatch.y;
 #endif
-#ifdef PIXEL_NORMALS
+#if defined(PIXEL_NORMALS) || defined(ISOLINES)
     passPlace = uvec4(placeOfPatch.xyz, cutOfPatch.y >> 16); // at last, columns and rows of the patch
-#ifdef DEGENERATE
-    passLongest = longest;
 #endif
+#if defined(PIXEL_NORMALS) && defined(DEGENERATE)
+    passLongest = longest;
 #endif
 #ifdef TRIMMED
     passTrims = cutOfPatch.w;

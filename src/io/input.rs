@@ -7,7 +7,10 @@ use std::time::Duration;
 
 use super::{Error, Result};
 use clap::Args;
-use freeform_surface::{Cause, CreaseAngle, LoadOptions, RenderSettings, Scene, UpAxis};
+use freeform_surface::{
+    Cause, CreaseAngle, EdgeColor, Edges, IsolineCount, Isolines, LoadOptions, RenderSettings,
+    Scene, UpAxis,
+};
 
 /// The name of standard input on the command line.
 const STANDARD: &str = "-";
@@ -39,7 +42,20 @@ pub(crate) struct LineArguments {
     /// for them.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     edges: Option<bool>,
+
+    /// Draw the edges of CAD models, smooth ones too, each in the colour of its class: continuity (gap, open,
+    /// non-manifold, G0, G1 or G2, as "freeform inspect" finds it).
+    #[arg(long, value_name = "WHAT", value_parser = edge_color)]
+    color: Option<EdgeColor>,
+
+    /// Draw so many lines of equal u, and as many of equal v, on each surface, face of a CAD model or Bézier patch, 1
+    /// to 1000, as the scene says or else narrow and dark; 0 if the scene asks for them.
+    #[arg(long, value_name = "N", value_parser = isolines, allow_negative_numbers = true)]
+    isolines: Option<Count>,
 }
+
+/// The number of isolines; `None`: none.
+type Count = Option<IsolineCount>;
 
 impl LineArguments {
     /// Changes the settings of a scene.
@@ -47,7 +63,25 @@ impl LineArguments {
         if let Some(shown) = self.edges {
             settings.edges = shown.then(|| settings.edges.unwrap_or_default());
         }
+        if let Some(color) = self.color {
+            settings.edges = Some(Edges { color, ..settings.edges.unwrap_or_default() });
+        }
+        if let Some(count) = self.isolines {
+            let own = settings.isolines.unwrap_or_default();
+            settings.isolines = count.map(|count| Isolines { count, ..own });
+        }
     }
+}
+
+fn edge_color(text: &str) -> Result<EdgeColor, String> {
+    text.parse().map_err(|_| "expected continuity".into())
+}
+
+fn isolines(text: &str) -> Result<Count, String> {
+    text.parse()
+        .ok()
+        .and_then(|count| IsolineCount::or_none(count).ok())
+        .ok_or_else(|| "expected a whole number from 0 to 1000".into())
 }
 
 fn up_axis(text: &str) -> Result<UpAxis, String> {

@@ -54,6 +54,20 @@ impl Continuity {
             Self::G2 => "G2",
         }
     }
+
+    /// The colour of its edges in pictures: red, green and blue, each 0 … 1. People without one of the three kinds of
+    /// cones can tell them apart too, and from a grey surface.
+    #[must_use]
+    pub const fn color(self) -> [f32; 3] {
+        match self {
+            Self::Gap => [0.85, 0.35, 0.0],
+            Self::Open => [0.5, 0.1, 0.5],
+            Self::NonManifold => [1.0, 0.9, 0.1],
+            Self::G0 => [0.0, 0.0, 0.0],
+            Self::G1 => [0.2, 0.7, 1.0],
+            Self::G2 => [0.0, 0.2, 0.8],
+        }
+    }
 }
 
 /// The use of an edge by a face.

@@ -23,8 +23,10 @@ enum When {
     Lit,
     /// There are trims.
     Trimmed,
-    /// Normals are evaluated per pixel.
-    PixelNormals,
+    /// The fragment stage evaluates patches: normals are evaluated per pixel, or there are isolines.
+    Evaluated,
+    /// There are isolines.
+    Isolines,
     /// The fragment stage calls `normalAt`: the output is not AOVs, or normals are evaluated per
     /// pixel.
     Normal,
@@ -36,6 +38,7 @@ pub(super) struct Facts {
     pub(super) phong: bool,
     pub(super) trimmed: bool,
     pub(super) pixel_normals: bool,
+    pub(super) isolines: bool,
 }
 
 impl Ingredient {
@@ -46,7 +49,8 @@ impl Ingredient {
             When::Aovs => facts.aovs,
             When::Lit => facts.phong && !facts.aovs,
             When::Trimmed => facts.trimmed,
-            When::PixelNormals => facts.pixel_normals,
+            When::Evaluated => facts.pixel_normals || facts.isolines,
+            When::Isolines => facts.isolines,
             When::Normal => facts.pixel_normals || !facts.aovs,
         }
     }
@@ -100,9 +104,10 @@ const EXACT: &[Ingredient] = recipe! {
     TessEvaluation "exact/patch.glsl" Always;
     TessEvaluation "exact/surface.tese" Always;
     Geometry "common/aov.geom" Aovs;
-    Fragment "exact/points.glsl" PixelNormals;
-    Fragment "exact/patch.glsl" PixelNormals;
+    Fragment "exact/points.glsl" Evaluated;
+    Fragment "exact/patch.glsl" Evaluated;
     Fragment "common/normal.frag" Normal;
+    Fragment "exact/isolines.glsl" Isolines;
     Fragment "common/phong.glsl" Lit;
     Fragment "common/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;

@@ -19,7 +19,7 @@ use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{Buffer, TexelBuffer};
 use crate::programs::{Output, Painting, TrimFeatures};
-use crate::scene::{Cull, Shading, Tessellation};
+use crate::scene::{Cull, Isolines, RenderSettings, Shading, Tessellation};
 use crate::tessellation::{
     EdgeSource, EdgeTable, FrameStats, LEFT_TO_FACES, Lists, PatchKind, Plan, Rounding, Screen,
     SubPatch, SurfacePatches, TrimmedList,
@@ -56,7 +56,7 @@ pub(crate) struct DrawList {
     columns: Vec<Vec4>,
     /// The same in a buffer, if a draw needs those of several surfaces.
     matrices: Option<TexelBuffer>,
-    /// For each patch, where its domain lies in that of its surface, if a picture is drawn over the latter.
+    /// For each patch, where its domain lies in that of its surface, if a picture or isolines are drawn over the latter.
     domains: Option<TexelBuffer>,
     draws: Vec<Draw>,
     /// Whether surfaces meet along joints, whose strokes need a share of the tolerance.
@@ -74,6 +74,8 @@ struct DrawKey {
     in_red: bool,
     /// Whether what is behind is seen too.
     see_through: bool,
+    /// Whether there are isolines.
+    isolines: bool,
 }
 
 /// The properties that all sub-patches of a list share.
@@ -143,6 +145,7 @@ impl DrawList {
             plan: PlanKey::new(frame, frame.settings.tessellation),
             in_red: in_lines(&frame.settings, Output::Picture),
             see_through: frame.settings.wireframe,
+            isolines: isolines(&frame.settings).is_some(),
         };
         let same = self.note_revisions(surfaces);
         if same && self.key == Some(key) {
@@ -381,13 +384,18 @@ impl DrawList {
             _ => self.matrices = Some(TexelBuffer::of_vectors(gl, "surfaces", &texels)?),
         }
         self.columns = texels;
-        let over_domains =
-            self.batches.iter().any(|batch| batch.painting == Painting::PictureOverDomain);
+        let is_over_domain = |batch: &Batch| batch.painting == Painting::PictureOverDomain;
+        let over_domains = key.isolines || self.batches.iter().any(is_over_domain);
         if over_domains && self.domains.is_none() {
             self.domains = Some(TexelBuffer::of_vectors(gl, "domains", &domains_of(surfaces))?);
         }
         Ok(())
     }
+}
+
+/// The isolines of pictures: wireframes have none.
+pub(super) fn isolines(settings: &RenderSettings) -> Option<Isolines> {
+    settings.isolines.filter(|_| !settings.wireframe)
 }
 
 /// The degrees whose patches are drawn by programs of their own: all, unless there are many. Of many, all but the most

@@ -1,7 +1,9 @@
 //! Draws the sub-patches of the exact method.
 
+use glam::Vec2;
+
 use super::capture::DrawnVertex;
-use super::draw_list::{Batch, DrawList};
+use super::draw_list::{Batch, DrawList, isolines};
 use super::draws::Draw;
 use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
 use super::{Frame, PreparedSurface, Renderer, in_lines};
@@ -11,7 +13,7 @@ use crate::programs::{
     CONTROL_POINTS_UNIT, DOMAINS_UNIT, Output, Painting, Pipeline, ProgramKey, SUB_PATCHES_UNIT,
     SURFACES_UNIT, location,
 };
-use crate::scene::Shading;
+use crate::scene::{Isolines, Shading};
 
 impl Renderer {
     /// Draws the sub-patches of an up-to-date list: with trim code those that trims may cut,
@@ -32,6 +34,7 @@ impl Renderer {
         let settings = &frame.settings;
         let samples = samples_of_target(self.gl());
         let in_lines = in_lines(settings, output);
+        let isolines = isolines(settings).filter(|_| output == Output::Picture);
         // Red lines and AOVs need no picture. Normals need it only if it has holes.
         let is_painted = |batch: &Batch| {
             let texture = surfaces[batch.surface].texture();
@@ -47,6 +50,7 @@ impl Renderer {
                 shared: batch.shared,
                 painting: if is_painted(batch) { batch.painting } else { Painting::Color },
                 normals: settings.normals,
+                isolines: isolines.is_some(),
             },
             shading: if in_lines { Shading::Unlit } else { batch.shading },
             trims: batch.trims,
@@ -76,6 +80,12 @@ impl Renderer {
                 Output::Aovs => set_aovs(program, frame),
                 _ if key(batch).shading == Shading::Phong => set_lights(program, frame),
                 _ => {}
+            }
+            if let Some(Isolines { count, width, color }) = isolines {
+                let lines = Vec2::new(count.get() as f32, 0.5 * width.pixels() as f32);
+                program.set_vec2(location::ISOLINES, lines);
+                program.set_vec3(location::ISOLINE_COLOR, color.into());
+                program.set_vec4(location::VIEWPORT, frame.viewport.origin_and_half());
             }
             if batch.trims.any() {
                 draw_list.trims().bind();

@@ -1,6 +1,7 @@
 //! Strokes along the joints of faces: those that close the gaps between the faces, and lines.
 #![allow(unsafe_code, reason = "drawing is unsafe in glow")]
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -16,10 +17,10 @@ use super::{Frame, Renderer, set_aovs};
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{TexelBuffer, samples_of_target};
-use crate::model::{Joint, JointKind};
+use crate::model::{Continuity, Joint, JointKind, Model};
 use crate::parallel;
 use crate::programs::{Output, Pipeline, ProgramKey, STROKES_UNIT, TrimFeatures, location};
-use crate::scene::{Edges, Method, Paint, Shading, Tessellation};
+use crate::scene::{EdgeColor, Edges, Method, Paint, Shading, Tessellation};
 use crate::tessellation::{
     PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokeSegment, StrokeSide, StrokeView,
 };
@@ -45,6 +46,8 @@ pub(crate) struct SurfaceJoint {
     pub(crate) patches: [usize; 2],
     /// Whether the gap between the surfaces is to be closed.
     pub(crate) closes_gap: bool,
+    /// The number of its model in the scene. Surfaces without a model have no edges.
+    pub(crate) model: Option<usize>,
     /// The transforms of the surfaces for which the joint was made in world space; `None`: it is in the space of both.
     pub(crate) made_for: Option<[DMat4; 2]>,
 }
@@ -53,10 +56,20 @@ pub(crate) struct SurfaceJoint {
 #[derive(Debug, Default)]
 pub(crate) struct Strokes {
     joints: Vec<SurfaceJoint>,
+    /// The models of the scene.
+    models: Vec<ModelEdges>,
     /// What closes the gaps between faces.
     closing: Segments,
     /// Lines along edges.
     lines: Segments,
+}
+
+/// A model, and how its faces meet.
+#[derive(Debug)]
+struct ModelEdges {
+    model: Arc<Model>,
+    /// The class of each edge that has one, by its number, once it was asked for.
+    classes: Option<HashMap<usize, Continuity>>,
 }
 
 /// Segments in the driver's memory.
@@ -79,8 +92,10 @@ struct SegmentsKey {
 }
 
 impl Strokes {
-    pub(crate) fn new(joints: Vec<SurfaceJoint>) -> Self {
-        Self { joints, ..Self::default() }
+    /// With the models of the scene.
+    pub(crate) fn new(joints: Vec<SurfaceJoint>, models: Vec<Arc<Model>>) -> Self {
+        let models = models.into_iter().map(|model| ModelEdges { model, classes: None }).collect();
+        Self { joints, models, ..Self::default() }
     }
 
     /// Whether there are gaps to be closed, which needs a share of the tolerance.
@@ -96,7 +111,7 @@ impl Strokes {
     /// Brings the segments up to date with the surfaces, the frame, and the list that is up to date with both.
     ///
     /// # Errors
-    /// No memory.
+    /// No memory; a model whose edges are to have the colours of their classes, and that [`Model::check`] refuses.
     pub(crate) fn update(
         &mut self,
         renderer: &Renderer,
@@ -108,7 +123,13 @@ impl Strokes {
         let view = PlanKey::new(frame, settings.tessellation);
         let key = SegmentsKey { view, state: list.state(), edges: None };
         let solids = list.solids();
-        let (joints, is_exact) = (&self.joints, settings.method == Method::Exact);
+        let is_exact = settings.method == Method::Exact;
+        let by_class =
+            settings.edges.is_some_and(|edges| edges.color == EdgeColor::Continuity) && is_exact;
+        for model in self.models.iter_mut().filter(|_| by_class) {
+            model.classify()?;
+        }
+        let (joints, models) = (&self.joints, &self.models);
         match settings.tessellation {
             Tessellation::Within(tolerance) if is_exact && !settings.wireframe => {
                 let view = StrokeView::new(&frame.camera, key.view.size, tolerance.pixels());
@@ -129,13 +150,31 @@ impl Strokes {
                 self.lines.update(renderer, key, &view, || {
                     joints
                         .iter()
-                        .filter_map(|joint| joint.line(surfaces, solids, edges, off_faces))
+                        .filter_map(|joint| joint.line(surfaces, solids, models, edges, off_faces))
                         .collect()
                 })?;
             }
             _ => self.lines.clear(),
         }
         Ok(())
+    }
+}
+
+impl ModelEdges {
+    /// Finds the classes of the edges, if they are not known.
+    ///
+    /// # Errors
+    /// A model that [`Model::check`] refuses.
+    fn classify(&mut self) -> Result<()> {
+        if self.classes.is_none() {
+            let edges = self.model.continuity()?;
+            self.classes = Some(edges.into_iter().map(|edge| (edge.edge, edge.class)).collect());
+        }
+        Ok(())
+    }
+
+    fn class(&self, edge: usize) -> Option<Continuity> {
+        self.classes.as_ref()?.get(&edge).copied()
     }
 }
 
@@ -224,12 +263,18 @@ impl SurfaceJoint {
         &'a self,
         surfaces: &'a [PreparedSurface],
         solids: &Solids,
+        models: &[ModelEdges],
         edges: &Edges,
         off_faces: f64,
     ) -> Option<(Shading, PlacedJoint<'a>)> {
-        // Surfaces without a model have no edges.
-        let is_drawn = self.made_for.is_none()
-            && match self.joint().kind {
+        let joint = self.joint();
+        let color = match edges.color {
+            EdgeColor::Continuity => models[self.model?].class(joint.edge)?.color(),
+            EdgeColor::Rgb(rgb) => rgb,
+        };
+        let is_drawn = self.model.is_some()
+            && match joint.kind {
+                _ if edges.color == EdgeColor::Continuity => true,
                 JointKind::Open | JointKind::Sharp => true,
                 JointKind::Smooth => edges.smooth,
                 JointKind::Seam => false,
@@ -237,7 +282,7 @@ impl SurfaceJoint {
         let shown = self.shown(surfaces).filter(|shown| is_drawn && *shown != [false; 2])?;
         let half_width = 0.5 * edges.width.pixels();
         let nearer = half_width + off_faces;
-        let line = StrokeLine { half_width, color: to_bytes(edges.color), nearer, shown };
+        let line = StrokeLine { half_width, color: to_bytes(color), nearer, shown };
         Some((Shading::Unlit, self.with(surfaces, solids, 0.0, Some(line))))
     }
 

@@ -1,6 +1,7 @@
 //! `.toml` scenes: the text's tables, checked and turned into a [`Scene`]. Every error names its line.
 
 mod models;
+mod stage;
 mod trims;
 
 use std::collections::HashMap;
@@ -14,20 +15,19 @@ use toml::Spanned;
 use super::file::{extension, line_of, read_text, unreadable};
 use super::surface::check_transform;
 use super::tables::{
-    CameraTable, ControlPoints, CullName, DVec3Value, Document, EdgesTable, EdgesValue, KeepName,
-    MeshTable, RenderTable, ShadingName, SmoothingName, SurfaceTable,
+    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, ShadingName,
+    SmoothingName, SurfaceTable,
 };
 use super::{
-    Cull, Edges, Image, Light, LineWidth, LoadOptions, MeshModel, Method, Paint, RenderSettings,
-    Samples, Scene, Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint, bpt,
-    default_control_points, load_texture, obj,
+    Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, Scene, Surface, TessLevel, UpAxis,
+    Viewpoint, bpt, default_control_points, load_texture, obj,
 };
 use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
 use crate::camera::{Camera, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
-use crate::thesis::newton::Newton;
 use crate::trim::{Keep, Trims};
+use stage::{Stage, stage_of};
 use trims::{PlacedTrims, TrimPlaces};
 
 /// The maximum number of bytes of one `[[surface]]` with its trims. Of each string, only the first `MAX_STRING_BYTES`
@@ -374,73 +374,6 @@ impl Builder<'_> {
                 ))
             }),
         }
-    }
-}
-
-/// The settings of a `[render]` table.
-#[derive(Default)]
-struct Stage {
-    settings: RenderSettings,
-    up: Option<UpAxis>,
-    light: Option<Light>,
-}
-
-fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stage> {
-    let mut settings = RenderSettings {
-        wireframe: table.wireframe,
-        red_lines: table.red_lines,
-        control_points: table.control_points,
-        ..RenderSettings::default()
-    };
-    if let Some(background) = table.background {
-        settings.background = builder.check(background, |rgba| unit_range("background", rgba))?;
-    }
-    if let Some(method) = table.method {
-        settings.method = builder.check(method, |name| name.parse())?;
-    }
-    if let Some(samples) = table.samples {
-        settings.samples = builder.check(samples, Samples::new)?;
-    }
-    settings.tessellation = match (table.level, table.tolerance) {
-        (None, None) => Tessellation::default(),
-        (Some(level), None) => Tessellation::Level(builder.check(level, TessLevel::new)?),
-        (None, Some(tolerance)) => Tessellation::Within(builder.check(tolerance, Tolerance::new)?),
-        (Some(_), Some(tolerance)) => {
-            return Err(builder.at(
-                tolerance.span().start,
-                Error::invalid("render", "given level and tolerance", "one of them"),
-            ));
-        }
-    };
-    if let Some(normals) = table.normals {
-        settings.normals = builder.check(normals, |name| name.parse())?;
-    }
-    if let Some(edges) = table.edges {
-        settings.edges = builder.check(edges, edges_of)?;
-    }
-    if let Some(newton) = table.newton {
-        settings.newton = builder.check(newton, |table| {
-            let default = Newton::default();
-            Newton::new(
-                table.iterations.unwrap_or(default.iterations()),
-                table.epsilon.unwrap_or(default.epsilon()),
-            )
-        })?;
-    }
-    let up = table.up.map(|up| builder.check(up, |name| name.parse())).transpose()?;
-    let light = table.light.map(|light| builder.check(light, |name| name.parse())).transpose()?;
-    Ok(Stage { settings, up, light })
-}
-
-fn edges_of(value: EdgesValue) -> Result<Option<Edges>> {
-    let default = Edges::default();
-    match value {
-        EdgesValue::Shown(shown) => Ok(shown.then_some(default)),
-        EdgesValue::As(EdgesTable { width, color, smooth }) => Ok(Some(Edges {
-            width: width.map_or(Ok(default.width), LineWidth::new)?,
-            color: unit_range("color", color.unwrap_or(default.color))?,
-            smooth,
-        })),
     }
 }
 

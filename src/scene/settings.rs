@@ -32,6 +32,8 @@ pub struct RenderSettings {
     pub control_points: bool,
     /// Lines along the edges of CAD models, by the exact method.
     pub edges: Option<Edges>,
+    /// Lines of equal u and of equal v on surfaces, by the exact method. Wireframes have none.
+    pub isolines: Option<Isolines>,
     /// When Newton's method stops, for the thesis' method.
     pub newton: Newton,
 }
@@ -49,6 +51,7 @@ impl Default for RenderSettings {
             red_lines: false,
             control_points: false,
             edges: None,
+            isolines: None,
             newton: Newton::default(),
         }
     }
@@ -195,13 +198,13 @@ impl std::str::FromStr for Normals {
 }
 
 /// How the edges of CAD models are drawn: those of one face, those of two faces at an angle, but no seam, where a face
-/// meets itself.
+/// meets itself. With [`EdgeColor::Continuity`], all edges.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edges {
     /// The width of the lines.
     pub width: LineWidth,
-    /// Red, green and blue, each 0 … 1.
-    pub color: [f32; 3],
+    /// Their colours.
+    pub color: EdgeColor,
     /// Whether edges of two faces with the same tangent planes are drawn too
     /// ([`SMOOTH_DEGREES`](crate::model::SMOOTH_DEGREES)).
     pub smooth: bool,
@@ -210,7 +213,99 @@ pub struct Edges {
 impl Default for Edges {
     /// Nearly black, without smooth edges.
     fn default() -> Self {
-        Self { width: LineWidth::default(), color: [0.05, 0.05, 0.08], smooth: false }
+        let color = EdgeColor::Rgb([0.05, 0.05, 0.08]);
+        Self { width: LineWidth::default(), color, smooth: false }
+    }
+}
+
+/// The colours of edges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EdgeColor {
+    /// Red, green and blue of all edges, each 0 … 1.
+    Rgb([f32; 3]),
+    /// Each edge has the colour of its class ([`Continuity::color`](crate::model::Continuity::color)). All edges that
+    /// have a class are drawn, smooth ones and seams too. The classes are found when such a picture is first drawn.
+    Continuity,
+}
+
+impl std::str::FromStr for EdgeColor {
+    type Err = Error;
+
+    /// A name: "continuity".
+    fn from_str(name: &str) -> Result<Self> {
+        match name {
+            "continuity" => Ok(Self::Continuity),
+            _ => {
+                let expected = "[red, green, blue] or \"continuity\"";
+                Err(Error::invalid("color", format!("\"{name}\""), expected))
+            }
+        }
+    }
+}
+
+/// How lines of equal u and of equal v are drawn. They are at equal steps of the parameters of a NURBS surface, of a
+/// face of a CAD model, or of each Bézier patch, the first and the last one half a step from the ends of the domain. So
+/// the steps go on across the seam of a closed surface, and from patch to patch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Isolines {
+    /// Lines of equal u, and as many of equal v.
+    pub count: IsolineCount,
+    /// The width of the lines.
+    pub width: LineWidth,
+    /// Red, green and blue, each 0 … 1.
+    pub color: [f32; 3],
+}
+
+impl Default for Isolines {
+    /// Narrower and a little lighter than edges.
+    fn default() -> Self {
+        Self { count: IsolineCount::default(), width: LineWidth(1.0), color: [0.15, 0.15, 0.2] }
+    }
+}
+
+/// The number of isolines along each direction of a surface: from 1 to 1000.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct IsolineCount(u32);
+
+impl IsolineCount {
+    /// The largest number.
+    pub const MAX: Self = Self(1000);
+
+    /// A number of lines.
+    ///
+    /// # Errors
+    /// Anything outside 1 … 1000.
+    pub fn new(count: i64) -> Result<Self> {
+        match u32::try_from(count) {
+            Ok(count @ 1..=1000) => Ok(Self(count)),
+            _ => Err(Error::invalid("number of isolines", count, "a whole number from 1 to 1000")),
+        }
+    }
+
+    /// A number of lines, or `None` for 0.
+    ///
+    /// # Errors
+    /// Anything outside 0 … 1000.
+    pub fn or_none(count: i64) -> Result<Option<Self>> {
+        match count {
+            0 => Ok(None),
+            _ => Self::new(count).map(Some).map_err(|_| {
+                Error::invalid("number of isolines", count, "a whole number from 0 to 1000")
+            }),
+        }
+    }
+
+    /// The number.
+    #[must_use]
+    pub const fn get(self) -> u32 {
+        self.0
+    }
+}
+
+impl Default for IsolineCount {
+    /// Eight.
+    fn default() -> Self {
+        Self(8)
     }
 }
 

@@ -53,6 +53,7 @@ pub(super) struct RenderTable {
     pub(super) red_lines: bool,
     pub(super) control_points: bool,
     pub(super) edges: Option<Spanned<EdgesValue>>,
+    pub(super) isolines: Option<Spanned<IsolinesValue>>,
     pub(super) newton: Option<Spanned<NewtonTable>>,
 }
 
@@ -68,9 +69,36 @@ pub(super) enum EdgesValue {
 #[serde(deny_unknown_fields)]
 pub(super) struct EdgesTable {
     pub(super) width: Option<f64>,
-    pub(super) color: Option<[f32; 3]>,
+    pub(super) color: Option<EdgeColorValue>,
     #[serde(default)]
     pub(super) smooth: bool,
+}
+
+/// One colour of all edges, or what their colours tell.
+#[derive(Deserialize)]
+#[serde(untagged)]
+pub(super) enum EdgeColorValue {
+    Rgb([f32; 3]),
+    Named(String),
+}
+
+/// The number of isolines, or how they are drawn.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a whole number from 0 to 1000 or a table of count, width and color"
+)]
+pub(super) enum IsolinesValue {
+    Count(i64),
+    As(IsolinesTable),
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct IsolinesTable {
+    pub(super) count: Option<i64>,
+    pub(super) width: Option<f64>,
+    pub(super) color: Option<[f32; 3]>,
 }
 
 #[derive(Deserialize)]

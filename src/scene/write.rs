@@ -14,8 +14,9 @@ use image::ImageFormat;
 use super::document::{MAX_PATCH_POINTS, check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
-    CadModel, Cull, Edges, Image, Light, MeshModel, Method, Normals, Paint, RenderSettings, Scene,
-    Shading, Surface, Tessellation, bpt, default_control_points, load_texture, obj, svg,
+    CadModel, Cull, EdgeColor, Edges, Image, Isolines, Light, MeshModel, Method, Normals, Paint,
+    RenderSettings, Scene, Shading, Surface, Tessellation, bpt, default_control_points,
+    load_texture, obj, svg,
 };
 use crate::bezier::Degree;
 use crate::camera::{Camera, Lens};
@@ -121,6 +122,7 @@ impl Writer<'_> {
             red_lines,
             control_points,
             edges,
+            isolines,
             newton,
         } = settings;
         self.header("[render]");
@@ -151,10 +153,18 @@ impl Writer<'_> {
         self.line("red_lines", red_lines);
         self.line("control_points", control_points);
         if let Some(Edges { width, color, smooth }) = edges {
+            let color = match color {
+                EdgeColor::Rgb(rgb) => format!("{rgb:?}"),
+                EdgeColor::Continuity => "\"continuity\"".into(),
+            };
             let width = width.pixels();
-            let table =
-                format_args!("{{ width = {width:?}, color = {color:?}, smooth = {smooth} }}");
+            let table = format_args!("{{ width = {width:?}, color = {color}, smooth = {smooth} }}");
             self.line("edges", table);
+        }
+        if let Some(Isolines { count, width, color }) = isolines {
+            let (count, width) = (count.get(), width.pixels());
+            let table = format_args!("{{ count = {count}, width = {width:?}, color = {color:?} }}");
+            self.line("isolines", table);
         }
         let (iterations, epsilon) = (newton.iterations(), newton.epsilon());
         self.line("newton", format_args!("{{ iterations = {iterations}, epsilon = {epsilon:?} }}"));

@@ -20,6 +20,8 @@ pub(crate) enum Action {
     Wireframe,
     /// Lines along the edges of CAD models on or off.
     Edges,
+    /// Lines of equal u and of equal v on or off.
+    Isolines,
     /// A kind of trims on or off.
     Trim(TrimKind),
     /// Switches to the other method.
@@ -172,6 +174,10 @@ pub(crate) const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[(letter('o'), Action::Edges)],
         help: "outlines: edges of CAD models on, off",
+    },
+    Binding {
+        keys: &[(letter('u'), Action::Isolines)],
+        help: "isolines: lines of equal u and of equal v on, off",
     },
     Binding { keys: &[(letter('c'), Action::Trim(TrimKind::Circle))], help: "circle on, off" },
     Binding { keys: &[(letter('i'), Action::Trim(TrimKind::Rect))], help: "interval on, off" },

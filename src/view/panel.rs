@@ -1,8 +1,10 @@
 //! The overlay over the picture: the panel, the help, the last message, and the control point under the cursor.
 
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
+use freeform_surface::model::Continuity;
 use freeform_surface::{
-    FrameStats, LineWidth, Method, Newton, Paint, Scene, TessLevel, Tessellation, Tolerance, Trims,
+    EdgeColor, Edges, FrameStats, IsolineCount, LineWidth, Method, Newton, Paint, Scene, TessLevel,
+    Tessellation, Tolerance, Trims,
 };
 use glam::{DVec2, DVec3};
 
@@ -13,6 +15,8 @@ use super::undo::Change;
 use super::{action, inset};
 
 const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
+/// Behind names in the colours of lines.
+const PAPER: Color32 = Color32::from_gray(170);
 
 /// Lays out the overlay; returns the rectangles that receive the mouse.
 pub(super) fn show(
@@ -203,11 +207,23 @@ fn style(ui: &mut Ui, state: &mut State) {
     ui.horizontal(|ui| {
         ui.checkbox(&mut edges, "edges");
         if let Some(own) = &mut settings.edges {
-            let mut width = own.width.pixels();
-            ui.add(egui::DragValue::new(&mut width).range(0.1..=100.0).speed(0.05).suffix(" px"));
-            own.width = LineWidth::new(width).unwrap_or(own.width);
+            line_width(ui, &mut own.width);
+            let is_plain = own.color != EdgeColor::Continuity;
+            ui.add_enabled_ui(is_plain, |ui| ui.checkbox(&mut own.smooth, "smooth"));
+        }
+    });
+    if let Some(own) = &mut settings.edges {
+        edge_color(ui, &mut own.color);
+    }
+    let mut isolines = settings.isolines.is_some();
+    ui.horizontal(|ui| {
+        ui.checkbox(&mut isolines, "isolines");
+        if let Some(own) = &mut settings.isolines {
+            let mut count = own.count.get();
+            ui.add(egui::DragValue::new(&mut count).range(1..=IsolineCount::MAX.get()).speed(0.1));
+            own.count = IsolineCount::new(count.into()).unwrap_or(own.count);
+            line_width(ui, &mut own.width);
             color(ui, &mut own.color);
-            ui.checkbox(&mut own.smooth, "smooth");
         }
     });
     ui.horizontal(|ui| {
@@ -223,11 +239,46 @@ fn style(ui: &mut Ui, state: &mut State) {
     if edges != settings.edges.is_some() {
         state.switch_edges();
     }
+    if isolines != settings.isolines.is_some() {
+        state.switch_isolines();
+    }
+}
+
+/// A field for the width of lines.
+fn line_width(ui: &mut Ui, own: &mut LineWidth) {
+    let mut width = own.pixels();
+    ui.add(egui::DragValue::new(&mut width).range(0.1..=100.0).speed(0.05).suffix(" px"));
+    *own = LineWidth::new(width).unwrap_or(*own);
+}
+
+/// One colour for all edges, or one for each class, with its name.
+fn edge_color(ui: &mut Ui, own: &mut EdgeColor) {
+    let mut by_class = *own == EdgeColor::Continuity;
+    ui.horizontal_wrapped(|ui| {
+        ui.label("color");
+        if let EdgeColor::Rgb(rgb) = own {
+            color(ui, rgb);
+        }
+        ui.checkbox(&mut by_class, "by continuity");
+        for class in Continuity::ALL.iter().filter(|_| *own == EdgeColor::Continuity) {
+            let [red, green, blue] = to_bytes(class.color());
+            let name = RichText::new(class.name()).color(Color32::from_rgb(red, green, blue));
+            ui.label(name.background_color(PAPER));
+        }
+    });
+    if by_class != (*own == EdgeColor::Continuity) {
+        *own = if by_class { EdgeColor::Continuity } else { Edges::default().color };
+    }
+}
+
+/// A colour in 8 bits for each channel.
+fn to_bytes(rgb: [f32; 3]) -> [u8; 3] {
+    rgb.map(|channel| (channel * 255.0).round() as u8)
 }
 
 /// A button for a colour. Its channels are used without conversion, as everywhere in this program.
 fn color(ui: &mut Ui, rgb: &mut [f32; 3]) -> bool {
-    let mut bytes = rgb.map(|channel| (channel * 255.0).round() as u8);
+    let mut bytes = to_bytes(*rgb);
     let changed = ui.color_edit_button_srgb(&mut bytes).changed();
     if changed {
         *rgb = bytes.map(|byte| f32::from(byte) / 255.0);

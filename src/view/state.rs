@@ -1,13 +1,14 @@
 //! The state of the viewer, and the effects of actions on it, without a window.
 
+mod switches;
+
 use std::fmt::Display;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Camera, Edges, Error, FrameStats, Image, Method, Paint, Result, Scene, Smoothing,
-    TessLevel, Tessellation, Tolerance, Trims, ViewProjection,
+    Alpha, Camera, Edges, FrameStats, Isolines, Method, Paint, Result, Scene, Smoothing, TessLevel,
+    Tessellation, Tolerance, Trims, ViewProjection,
 };
 use glam::{DVec2, dvec2};
 
@@ -88,6 +89,8 @@ pub(crate) struct State {
     tolerance: Tolerance,
     /// How edges were last drawn.
     edges: Edges,
+    /// How isolines were last drawn.
+    isolines: Isolines,
     pub(super) pointer: Pointer,
     history: History,
     /// The number of the last press of a key or button.
@@ -120,6 +123,7 @@ impl State {
             level: TessLevel::default(),
             tolerance: Tolerance::default(),
             edges: Edges::default(),
+            isolines: Isolines::default(),
             pointer: Pointer::default(),
             history: History::default(),
             press: 0,
@@ -296,6 +300,10 @@ impl State {
                 self.switch_edges();
                 Ok(())
             }
+            Action::Isolines => {
+                self.switch_isolines();
+                Ok(())
+            }
             Action::Trim(kind) => {
                 let mut nested = std::mem::take(&mut self.nested);
                 let edits = switched(&self.scene, kind, self.selected, &mut nested);
@@ -466,65 +474,6 @@ impl State {
         }
     }
 
-    /// Removes all textures, or puts them back; where there were none, it uses bricks.
-    fn switch_textures(&mut self) -> Result<()> {
-        let surfaces = self.scene.surfaces.iter().map(|surface| &surface.paint);
-        let meshes = self.scene.meshes.iter().map(|mesh| &mesh.paint);
-        let paints: Vec<Paint> = surfaces.chain(meshes).cloned().collect();
-        let is_picture = |paint: &Paint| matches!(paint, Paint::Texture(_));
-        let off = paints.iter().any(is_picture);
-        // If there is no earlier paint, it is grey or bricks.
-        let fallback = match self.other_paints.iter().any(is_picture) {
-            _ if off => Some(Paint::default()),
-            true => None,
-            false => Some(Paint::Texture(bricks())),
-        };
-        let mut edits = Vec::new();
-        for (number, paint) in paints.iter().enumerate() {
-            let other = self.other_paints.get(number).filter(|other| is_picture(other) != off);
-            let Some(other) = other.or(fallback.as_ref()) else { continue };
-            if is_picture(paint) == off {
-                let surfaces = self.scene.surfaces.len();
-                edits.push(match number.checked_sub(surfaces) {
-                    None => Change::SurfacePaint(number, other.clone()),
-                    Some(mesh) => Change::MeshPaint(mesh, other.clone()),
-                });
-            }
-        }
-        self.other_paints = paints;
-        self.edit(edits)
-    }
-
-    /// Switches the lines along edges on or off.
-    pub(crate) fn switch_edges(&mut self) {
-        let shown = self.scene.settings.edges;
-        self.edges = shown.unwrap_or(self.edges);
-        let edges = if shown.is_some() { None } else { Some(self.edges) };
-        self.change_settings(|settings| settings.edges = edges);
-    }
-
-    /// Switches this smoothing on or off for all meshes.
-    fn switch_smoothing(&mut self, smoothing: Smoothing) -> Result<()> {
-        if self.scene.meshes.is_empty() {
-            return Err(Error::invalid(
-                "scene",
-                "without a mesh",
-                "one with a [[mesh]], or an .obj file",
-            ));
-        }
-        let on = |other| std::mem::discriminant(&other) == std::mem::discriminant(&smoothing);
-        let smoothing = if self.scene.meshes.iter().all(|mesh| on(mesh.smoothing())) {
-            Smoothing::None
-        } else {
-            smoothing
-        };
-        for mesh in &mut self.scene.meshes {
-            mesh.set_smoothing(smoothing);
-        }
-        self.changes.scene = true;
-        Ok(())
-    }
-
     /// The window's title.
     pub(crate) fn title(&self, stats: &FrameStats, ms: f64) -> String {
         let file = self.file.as_ref().and_then(|file| file.file_name());
@@ -550,14 +499,6 @@ impl State {
     pub(super) fn hover(&mut self) -> bool {
         let found = pick(self.scene(), &self.projection(), self.size(), self.pointer.place);
         std::mem::replace(&mut self.pointer.hovered, found) != found
-    }
-}
-
-/// The texture of bricks of the built-in scene.
-fn bricks() -> Arc<Image> {
-    match Scene::listing16().surfaces.swap_remove(0).paint {
-        Paint::Texture(image) => image,
-        Paint::Color(_) => unreachable!("the built-in scene has a picture"),
     }
 }
 

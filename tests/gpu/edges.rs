@@ -5,11 +5,12 @@ use std::path::Path;
 
 use freeform_surface::inspect::measure::Random;
 use freeform_surface::model::{
-    BoundedCurve, Coedge, Curve, Edge, Face, FaceSurface, Frame as Axes, JointKind, Model, Product,
+    BoundedCurve, Coedge, Continuity, Curve, Edge, Face, FaceSurface, Frame as Axes, JointKind,
+    Model, Product,
 };
 use freeform_surface::{
-    Camera, Edges, Error, Frame, Framebuffer, Image, Lens, LineWidth, Paint, Samples, Scene,
-    Shading, TessLevel, Tessellation, ViewProjection,
+    Camera, EdgeColor, Edges, Error, Frame, Framebuffer, Image, Lens, LineWidth, Paint, Samples,
+    Scene, Shading, TessLevel, Tessellation, ViewProjection,
 };
 use glam::{DAffine3, DVec2, DVec3, dvec3, uvec2};
 
@@ -45,7 +46,7 @@ fn in_black(scene: Scene, width: f64, smooth: bool) -> Scene {
     let mut scene = Scene { settings: within(0.5), ..scene };
     scene.settings.background = [0.0, 0.0, 0.0, 1.0];
     let width = LineWidth::new(width).unwrap();
-    scene.settings.edges = Some(Edges { width, color: [1.0; 3], smooth });
+    scene.settings.edges = Some(Edges { width, color: EdgeColor::Rgb([1.0; 3]), smooth });
     for surface in &mut scene.surfaces {
         surface.shading = Shading::Unlit;
         surface.paint = Paint::Color([0.0; 3]);
@@ -331,6 +332,105 @@ fn hidden_faces_take_their_lines_along_and_wireframes_have_them() {
     }
 }
 
+/// A model of two plane faces side by side: they meet in an edge without a bend, and six edges are open. Those of one
+/// face are all its own.
+fn two_squares() -> Model {
+    let corner = |i: usize| dvec3([0.0, 1.0, 2.0][i % 3], (i / 3) as f64, 0.0);
+    let mut edges = Vec::new();
+    let mut edge = |from: usize, to: usize| {
+        let (origin, along) = (corner(from), corner(to) - corner(from));
+        let curve = Curve::Line { origin, direction: along };
+        let curve = Some(BoundedCurve { curve, range: [0.0, 1.0] });
+        edges.push(Edge { tolerance: 1e-7, curve });
+    };
+    // The edge of both faces is the first.
+    for (from, to) in [(1, 4), (0, 1), (4, 3), (3, 0), (1, 2), (2, 5), (5, 4)] {
+        edge(from, to);
+    }
+    let axes = Axes { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+    let face = |loops: [(usize, bool); 4], first: f64| Face {
+        name: String::new(),
+        tolerance: 1e-7,
+        color: None,
+        reversed: false,
+        surface: FaceSurface::Plane(axes),
+        bounds: [DVec2::new(first, 0.0), DVec2::new(first + 1.0, 1.0)],
+        loops: vec![loops.map(|(edge, forward)| Coedge { edge, forward, pcurve: None }).to_vec()],
+    };
+    let one = face([(1, true), (0, true), (2, true), (3, true)], 0.0);
+    let other = face([(4, true), (5, true), (6, true), (0, false)], 1.0);
+    let product = Product { name: String::new(), color: None, faces: [0, 2], uses: vec![] };
+    Model {
+        name: "squares".into(),
+        unit: 1.0,
+        edges,
+        faces: vec![one, other],
+        products: vec![product],
+    }
+}
+
+#[test]
+fn edges_have_the_colours_of_their_classes() {
+    let mut stage = Stage::new(uvec2(400, 300));
+    let bytes = |class: Continuity| class.color().map(|channel| (channel * 255.0).round() as u8);
+    // The classes of the first two follow from how they are made: six edges open and one G2, twelve sharp ones.
+    let mut flat = of_model(two_squares());
+    flat.camera = Some(camera(dvec3(1.4, -1.5, 3.0), dvec3(1.0, 0.5, 0.0)));
+    let mut solid = of_model(cube(0.0));
+    solid.camera = Some(camera(dvec3(3.0, -2.2, 2.6), DVec3::splat(0.5)));
+    let by_hand: [Vec<Continuity>; 2] = [
+        (0..7).map(|edge| if edge == 0 { Continuity::G2 } else { Continuity::Open }).collect(),
+        vec![Continuity::G0; 12],
+    ];
+    let found = |scene: &Scene| {
+        let edges = scene.models[0].model.continuity().unwrap();
+        edges.into_iter().map(|edge| (edge.edge, edge.class)).collect::<Vec<_>>()
+    };
+    let of_hand = |number: usize| by_hand[number].iter().copied().enumerate().collect::<Vec<_>>();
+    let own = ["bracket", "flange", "blade"].map(own).map(|scene| (found(&scene), scene));
+    for (classes, scene) in [(of_hand(0), flat), (of_hand(1), solid)].into_iter().chain(own) {
+        let name = scene.models[0].model.name.clone();
+        let mut scene = in_black(scene, 3.0, false);
+        scene.settings.edges =
+            Some(Edges { color: EdgeColor::Continuity, ..scene.settings.edges.unwrap() });
+        scene.settings.background = [1.0; 4];
+        for surface in &mut scene.surfaces {
+            surface.paint = Paint::Color([1.0; 3]);
+        }
+        let projection = stage.projection(&scene);
+        let image = picture(&mut stage, &scene, 1);
+        let mut drawn = 0;
+        for class in Continuity::ALL {
+            let of_class = classes.iter().filter(|(_, own)| *own == class);
+            let places: Vec<DVec2> = of_class
+                .flat_map(|(edge, _)| on_screen(&scene, &projection, &stage, *edge))
+                .collect();
+            let has_color = |(x, y, pixel): (u32, u32, &freeform_surface::image::Rgba<u8>)| {
+                (pixel.0[..3] == bytes(class)).then(|| DVec2::new(x.into(), y.into()) + 0.5)
+            };
+            let colored: Vec<DVec2> = image.enumerate_pixels().filter_map(has_color).collect();
+            let is_near = |pixel: &DVec2| places.iter().any(|place| place.distance(*pixel) < 2.3);
+            assert!(colored.iter().all(is_near), "{name}: {} beside its edges", class.name());
+            let is_visible = colored.len() > 30;
+            // Edges of other models may be hidden.
+            let must_be_seen = ["squares", "cube"].contains(&name.as_str());
+            assert!(!must_be_seen || is_visible != places.is_empty(), "{name}: {}", class.name());
+            drawn += colored.len();
+        }
+        let paper = image.pixels().filter(|pixel| pixel.0[..3] == [255; 3]).count();
+        assert_eq!(drawn + paper, 400 * 300, "{name}: only these colours");
+        assert!(drawn > 300, "{name}: {drawn}");
+        if name == "squares" {
+            // The smooth edge has no line in one colour.
+            let plain = in_black(scene, 3.0, false);
+            let middle = to_pixels(&projection, stage.size, dvec3(1.0, 0.5, 0.0));
+            let at = |image: &Image| image.get_pixel(middle.x as u32, middle.y as u32).0;
+            assert_eq!(at(&image)[..3], bytes(Continuity::G2));
+            assert_eq!(at(&picture(&mut stage, &plain, 1))[..3], [0; 3]);
+        }
+    }
+}
+
 #[test]
 fn the_setting_is_written_and_read_again() {
     let path = Path::new("scene.toml");
@@ -342,10 +442,14 @@ fn the_setting_is_written_and_read_again() {
         ("edges = true", Some(Edges::default())),
         ("edges = {}", Some(Edges::default())),
         (
+            "edges = { color = \"continuity\" }",
+            Some(Edges { color: EdgeColor::Continuity, ..Edges::default() }),
+        ),
+        (
             "edges = { width = 2, color = [1, 0.5, 0], smooth = true }",
             Some(Edges {
                 width: LineWidth::new(2.0).unwrap(),
-                color: [1.0, 0.5, 0.0],
+                color: EdgeColor::Rgb([1.0, 0.5, 0.0]),
                 smooth: true,
             }),
         ),
@@ -359,6 +463,8 @@ fn the_setting_is_written_and_read_again() {
         ("edges = { width = 0 }", "width"),
         ("edges = { width = nan }", "width"),
         ("edges = { color = [2, 0, 0] }", "color"),
+        ("edges = { color = \"rainbow\" }", "\"continuity\""),
+        ("edges = { color = 3 }", "width, color and smooth"),
         ("edges = { colour = [1, 0, 0] }", "width, color and smooth"),
         ("edges = 3", "width, color and smooth"),
     ] {

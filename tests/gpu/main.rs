@@ -10,6 +10,7 @@ mod depth;
 mod drivers;
 mod edges;
 mod figures;
+mod isolines;
 mod joined_surfaces;
 mod leaks;
 mod light;

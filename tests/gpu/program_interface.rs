@@ -231,7 +231,9 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             };
             let degree = Some(degree).filter(|_| !has(5));
             let shared = has(4);
-            let pipeline = Pipeline::Exact { degree, samples, patches, shared, painting, normals };
+            let isolines = has(2);
+            let pipeline =
+                Pipeline::Exact { degree, samples, patches, shared, painting, normals, isolines };
             let key =
                 ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
             let program = Sources::default()
@@ -249,7 +251,13 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             let is_shown = output == Output::Picture;
             let picture = has(4) && is_shown && (shading != Shading::Normals || has(2));
             assert_eq!(unit("colortexture"), picture.then_some(0), "{key:?}");
-            let domains = picture && painting == Painting::PictureOverDomain;
+            let lines = isolines && is_shown;
+            assert_eq!(
+                program.uniform_location("isolines"),
+                lines.then_some(location::ISOLINES),
+                "{key:?}"
+            );
+            let domains = lines || picture && painting == Painting::PictureOverDomain;
             assert_eq!(unit("domains"), domains.then_some(DOMAINS_UNIT as i32), "{key:?}");
             let to_world = (output == Output::Aovs).then_some(location::VIEW_TO_WORLD);
             assert_eq!(program.uniform_location("viewToWorld"), to_world);

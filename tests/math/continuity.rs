@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use std::path::Path;
 
-use freeform_surface::glam::{DVec2, DVec3, DVec4, dvec2, dvec3};
+use freeform_surface::glam::{DMat3, DVec2, DVec3, DVec4, dvec2, dvec3};
 use freeform_surface::model::{
     BoundedCurve, Continuity, Curve, Edge, EdgeContinuity, Face, FaceSurface, Frame, Model,
     NurbsCurve, Product,
@@ -403,6 +403,42 @@ fn touch(model: &Model, faces: &[usize]) -> Option<f64> {
     let distance = (axis.origin - plane.origin).dot(plane.z).abs();
     let is_parallel = axis.z.dot(plane.z).abs() < 1e-9;
     (is_parallel && (distance - radius).abs() < 1e-9 * radius).then_some(radius)
+}
+
+/// How a colour looks in CIE L*a*b*, after a matrix over linear red, green and blue.
+fn lab(rgb: [f64; 3], seen: DMat3) -> DVec3 {
+    let linear = |channel: f64| {
+        if channel <= 0.04045 { channel / 12.92 } else { ((channel + 0.055) / 1.055).powf(2.4) }
+    };
+    let linear = (seen * DVec3::from(rgb.map(linear))).clamp(DVec3::ZERO, DVec3::ONE);
+    let to_xyz = [0.4125, 0.3576, 0.1804, 0.2127, 0.7152, 0.0722, 0.0193, 0.1192, 0.9503];
+    let xyz = DMat3::from_cols_array(&to_xyz).transpose() * linear / dvec3(0.9505, 1.0, 1.0888);
+    let f = xyz.to_array().map(|t| if t > 0.008856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 });
+    dvec3(116.0 * f[1] - 16.0, 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2]))
+}
+
+/// The matrices are those of Machado, Oliveira and Fernandes (2009) for people without one kind of cones.
+#[test]
+fn everybody_can_tell_the_colours_of_classes_apart() {
+    let matrices = [
+        [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        [0.1523, 1.0526, -0.2049, 0.1145, 0.7863, 0.0992, -0.0039, -0.0481, 1.0520],
+        [0.3673, 0.8606, -0.2280, 0.2801, 0.6725, 0.0474, -0.0118, 0.0429, 0.9689],
+        [1.2555, -0.0767, -0.1788, -0.0784, 0.9308, 0.1476, 0.0047, 0.6914, 0.3039],
+    ];
+    let classes = Continuity::ALL.map(|class| class.color().map(f64::from));
+    let grey = [0.7, 0.72, 0.75];
+    let all: Vec<_> = classes.into_iter().chain([grey]).collect();
+    for matrix in matrices {
+        let seen = DMat3::from_cols_array(&matrix).transpose();
+        for (i, one) in all.iter().enumerate() {
+            for other in &all[..i] {
+                // 2 is just noticeable side by side.
+                let apart = lab(*one, seen).distance(lab(*other, seen));
+                assert!(apart > 25.0, "{one:?} and {other:?} are {apart:.1} apart");
+            }
+        }
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! CAD models on the command line: `freeform info FILE` and `freeform convert`.
+//! CAD models on the command line: `freeform info FILE`, `freeform convert`, and lines in pictures.
 
 use crate::harness::program::{Folder, resource, text};
 
@@ -129,5 +129,51 @@ fn inspect_refuses_what_is_no_model_in_one_line() {
         assert_eq!(output.status.code(), Some(status), "{said}");
         assert!(said.contains(words) && said.lines().count() == 1, "{said}");
         assert!(output.stdout.is_empty());
+    }
+}
+
+#[test]
+fn lines_of_the_command_line_override_the_scenes() {
+    let folder = Folder::new();
+    let model = resource("models/bracket.ffm");
+    folder.write(
+        "lined.toml",
+        format!("[render]\nedges = true\nisolines = 5\n[[model]]\nfile = {model:?}\n"),
+    );
+    let render = |scene: &str, options: &[&str]| {
+        let arguments = ["render", scene, "--resolution", "240x160", "-o", "out.png"];
+        let output = folder.run(&[&arguments[..], options].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::read(folder.path("out.png")).unwrap()
+    };
+    let plain = render(&model, &[]);
+    let edges = render(&model, &["--edges"]);
+    let classes = render(&model, &["--color", "continuity"]);
+    let isolines = render(&model, &["--isolines", "5"]);
+    let all = [&plain, &edges, &classes, &isolines];
+    for (i, one) in all.iter().enumerate() {
+        assert!(all[..i].iter().all(|other| other != one), "{i}");
+    }
+    assert_eq!(render(&model, &["--edges", "--color=continuity"]), classes);
+    assert_eq!(render("lined.toml", &["--edges=false"]), isolines);
+    assert_eq!(render("lined.toml", &["--isolines", "0"]), edges);
+    assert_eq!(render("lined.toml", &["--isolines=0", "--color", "continuity"]), classes);
+}
+
+#[test]
+fn wrong_lines_are_refused_in_one_line() {
+    let folder = Folder::new();
+    let model = resource("models/bracket.ffm");
+    for (option, value, words) in [
+        ("--isolines", "-1", "from 0 to 1000"),
+        ("--isolines", "1001", "from 0 to 1000"),
+        ("--isolines", "2.5", "from 0 to 1000"),
+        ("--isolines", "99999999999999999999", "from 0 to 1000"),
+        ("--color", "rainbow", "continuity"),
+    ] {
+        let output = folder.run(&["render", &model, option, value]);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(words) && said.lines().count() == 1, "{said}");
     }
 }

@@ -33,6 +33,12 @@ fn faces_of_a_dropped_model_are_clicked_hidden_and_shown() {
     assert!((500..20_000).contains(&off), "lines: {off}");
     screen.keys(&["o"]);
     assert_same("view-edges-off", &start, &screen.picture(), &[], 0);
+    // Isolines.
+    screen.keys(&["u"]);
+    let off = changed(&start, &screen.picture());
+    assert!((500..100_000).contains(&off), "isolines: {off}");
+    screen.keys(&["u"]);
+    assert_same("view-isolines-off", &start, &screen.picture(), &[], 0);
 
     // The middle of the highest visible face.
     let scene = Scene::load(&model).unwrap();

@@ -1,7 +1,7 @@
 //! The effects of actions and the mouse on a scene, without a window.
 
 use freeform_surface::inspect::measure::Random;
-use freeform_surface::{Keep, Shading};
+use freeform_surface::{Error, IsolineCount, Keep, Shading};
 use glam::Vec3Swizzles as _;
 
 use super::super::action::{BINDINGS, Binding, Side, TrimKind};
@@ -99,6 +99,19 @@ fn edges_come_back_as_they_were() {
     assert_eq!(state.scene().settings.edges, None);
     press(&mut state, &[Action::Edges]);
     assert_eq!(state.scene().settings.edges, Some(own));
+}
+
+#[test]
+fn isolines_come_back_as_they_were() {
+    let mut state = state();
+    press(&mut state, &[Action::Isolines]);
+    assert_eq!(state.scene().settings.isolines, Some(Isolines::default()));
+    let own = Isolines { count: IsolineCount::MAX, ..Isolines::default() };
+    state.change_settings(|settings| settings.isolines = Some(own));
+    press(&mut state, &[Action::Isolines]);
+    assert_eq!(state.scene().settings.isolines, None);
+    press(&mut state, &[Action::Isolines]);
+    assert_eq!(state.scene().settings.isolines, Some(own));
 }
 
 #[test]
