@@ -3,6 +3,7 @@
 
 mod area;
 mod boundary;
+mod certificate;
 mod chain;
 mod chart;
 mod check;
@@ -26,12 +27,13 @@ mod write;
 use glam::{DAffine3, DVec2, DVec3};
 
 use crate::bezier::NurbsSurface;
+pub use certificate::CertifiedDeviation;
 pub use continuity::{
     Continuity, EdgeContinuity, EdgeUse, GAP, RELATIVE_JUMP, SMOOTH_DEGREES, Worst,
 };
 pub use curve::{BoundedCurve, Curve, NurbsCurve};
 pub use deviation::Deviation;
-pub use drawn::{DrawnEdge, DrawnFace, PcurveSource};
+pub use drawn::{ClosedGap, DrawnEdge, DrawnFace, PcurveSource, Repairs};
 pub(crate) use import::ENDED;
 pub use import::{ImportOptions, find_helper, import, is_cad_file};
 pub use instances::Instance;

@@ -8,10 +8,10 @@ use glam::{DVec2, dvec2};
 
 use super::chain::{Chain, Piece};
 use super::chart::{Axis, axes, drawn_surface};
-use super::fit::{Accuracy, Fit};
+use super::fit::{Accuracy, Fit, Fitted};
 use super::projection::breaks;
 use super::sheet::Sheet;
-use super::{Coedge, DrawnEdge, DrawnFace, Face, FaceSurface, PcurveSource};
+use super::{Coedge, DrawnEdge, DrawnFace, Face, FaceSurface, PcurveSource, Repairs};
 use crate::error::{Error, Result};
 use crate::trim::{Keep, Segment, TrimLoop, Trims};
 
@@ -267,7 +267,9 @@ impl Region<'_, '_> {
         if self.has_border {
             trims.add_loop(TrimLoop::closed(border(domain), domain[1] - domain[0])?)?;
         }
-        Ok(DrawnFace { surface, trims, edges, periods: self.sheet.periods })
+        let gaps = self.chains.iter().flat_map(|chain| chain.gaps.iter().copied()).collect();
+        let repairs = Repairs { gaps, ..Repairs::default() };
+        Ok(DrawnFace { surface, trims, edges, periods: self.sheet.periods, repairs })
     }
 }
 
@@ -294,16 +296,18 @@ impl Outline<'_, '_, '_> {
         number: usize,
         edges: &mut Vec<DrawnEdge>,
     ) -> Vec<Vec<Segment>> {
-        let mut pieces: Vec<Vec<Segment>> = chain.pieces.iter().map(|p| self.piece(p)).collect();
+        let (mut pieces, rough): (Vec<Vec<Segment>>, Vec<bool>) =
+            chain.pieces.iter().map(|piece| self.piece(piece)).unzip();
         self.join(chain, &mut pieces);
         let mut before: Option<&Coedge> = None;
-        for (piece, segments) in chain.pieces.iter().zip(&pieces) {
+        for ((piece, segments), is_rough) in chain.pieces.iter().zip(&pieces).zip(rough) {
             let Some(edge) = &piece.traced else { continue };
             // An edge through a pole has two pieces.
             let is_same = before.is_some_and(|before| std::ptr::eq(before, edge.coedge));
             before = Some(edge.coedge);
             if let Some(last) = edges.last_mut().filter(|_| is_same) {
                 last.segments.extend(segments);
+                last.is_rough |= is_rough;
                 continue;
             }
             let source = match (edge.is_of_file, &edge.coedge.pcurve) {
@@ -316,6 +320,7 @@ impl Outline<'_, '_, '_> {
                 forward: edge.coedge.forward,
                 trim_loop: number,
                 source,
+                is_rough,
                 segments: segments.clone(),
             });
         }
@@ -381,10 +386,10 @@ impl Outline<'_, '_, '_> {
         chain.pieces[chain.pieces.len() - 1].ends[1]
     }
 
-    /// The segments of a piece in the direction of the loop.
-    fn piece(&self, piece: &Piece<'_>) -> Vec<Segment> {
+    /// The segments of a piece in the direction of the loop, and whether they are further from it than fits should be.
+    fn piece(&self, piece: &Piece<'_>) -> (Vec<Segment>, bool) {
         let Some(edge) = &piece.traced else {
-            return vec![Segment::Line(piece.ends.map(|end| self.drawn(end)))];
+            return (vec![Segment::Line(piece.ends.map(|end| self.drawn(end)))], false);
         };
         let fit = Fit {
             trace: &edge.trace,
@@ -393,14 +398,14 @@ impl Outline<'_, '_, '_> {
             accuracy: self.accuracy,
             breaks: self.breaks,
         };
-        let mut segments = fit.segments();
+        let Fitted { mut segments, is_rough } = fit.segments();
         if !edge.coedge.forward {
             segments.reverse();
             for segment in &mut segments {
                 segment.points_mut().reverse();
             }
         }
-        segments
+        (segments, is_rough)
     }
 
     fn drawn(&self, own: DVec2) -> DVec2 {

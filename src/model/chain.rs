@@ -2,9 +2,9 @@
 
 use glam::{DVec2, IVec2};
 
-use super::projection::{Trace, accurate_pcurve, parts};
+use super::projection::{Trace, Traced, accurate_pcurve, parts};
 use super::sheet::Sheet;
-use super::{Coedge, Edge, Face, Model};
+use super::{ClosedGap, Coedge, Edge, Face, Model};
 use crate::error::{Error, Result};
 
 /// An edge in a chain, or a line that joins two.
@@ -34,6 +34,8 @@ pub(super) struct Chain<'a> {
     pub(super) bounds: [DVec2; 2],
     /// The area that it encloses on the left, by samples.
     pub(super) area: f64,
+    /// Where lines join edges that are apart.
+    pub(super) gaps: Vec<ClosedGap>,
 }
 
 impl Piece<'_> {
@@ -42,6 +44,17 @@ impl Piece<'_> {
         let Some(edge) = &self.traced else { return self.ends.to_vec() };
         let places = edge.trace.samples.iter().map(|(_, uv)| *uv + edge.shift);
         if edge.coedge.forward { places.collect() } else { places.rev().collect() }
+    }
+
+    /// The ends of its edge, and how far the edge would go from there in its direction.
+    fn inwards(&self) -> Option<[(DVec2, DVec2); 2]> {
+        let edge = self.traced.as_ref()?;
+        let [first, last] = edge.trace.range;
+        let from = |t: f64, length: f64| {
+            let Traced { uv, slope, .. } = edge.trace.at(t);
+            (uv + edge.shift, slope * length)
+        };
+        Some([from(first, last - first), from(last, first - last)])
     }
 }
 
@@ -53,6 +66,8 @@ pub(super) struct Distances {
     pub(super) surface: f64,
     /// Parts of chains that are further apart are not joined.
     pub(super) gap: f64,
+    /// Parts of chains that are further apart are joined by a line, others by moving their ends.
+    pub(super) line: f64,
 }
 
 /// The loop of a face, with its edges projected.
@@ -72,7 +87,8 @@ pub(super) fn chain<'a>(
         let count = edges.iter().map(|edge| edge.trace.samples.len()).sum::<usize>();
         places.sum::<DVec2>() / count as f64
     };
-    let mut joints = Joints { model, face, sheet, middle, distances, pieces: Vec::new() };
+    let (pieces, gaps) = (Vec::new(), Vec::new());
+    let mut joints = Joints { model, face, sheet, middle, distances, pieces, gaps };
     let first = ends(&edges[0])[0];
     let starts: Vec<DVec2> = edges.iter().map(|edge| ends(edge)[0]).collect();
     let uses: Vec<&Coedge> = edges.iter().map(|edge| edge.coedge).collect();
@@ -94,7 +110,8 @@ pub(super) fn chain<'a>(
     let periods = sheet.periods.map(|period| period.unwrap_or(f64::INFINITY));
     let turns = (cursor - first) / DVec2::from(periods);
     let winding = IVec2::new(turns.x.round() as i32, turns.y.round() as i32);
-    let mut chain = Chain { pieces: joints.pieces, winding, bounds: [DVec2::ZERO; 2], area: 0.0 };
+    let Joints { pieces, gaps, .. } = joints;
+    let mut chain = Chain { pieces, winding, bounds: [DVec2::ZERO; 2], area: 0.0, gaps };
     chain.measure();
     Ok(chain)
 }
@@ -174,6 +191,7 @@ struct Joints<'a, 'b> {
     middle: DVec2,
     distances: &'b Distances,
     pieces: Vec<Piece<'a>>,
+    gaps: Vec<ClosedGap>,
 }
 
 impl Joints<'_, '_> {
@@ -224,7 +242,10 @@ impl Joints<'_, '_> {
         }
         let moved = ((to - from).abs() * DVec2::new(at.du.length(), at.dv.length())).element_sum();
         let is_turn = (0..2).any(|axis| singular[axis] && (to[axis] - from[axis]).abs() > 1e-9);
-        if is_turn || moved > 0.1 * self.distances.pcurve {
+        if gap > self.distances.line {
+            self.gaps.push(ClosedGap { edges, length: gap });
+        }
+        if is_turn || moved > self.distances.line {
             self.pieces.push(Piece { traced: None, ends: [from, to] });
         }
         Ok(to)
@@ -254,11 +275,19 @@ impl Chain<'_> {
             }
             // Between samples an edge may go further.
             let margin = 0.02 * (largest - least);
+            let inwards = piece.inwards();
             for axis in 0..2 {
-                if least[axis] < of_ends_least[axis] {
+                let size = largest[axis] - least[axis];
+                let goes_beyond = |bound: f64, sign: f64| {
+                    inwards.iter().flatten().any(|(end, direction)| {
+                        let is_there = (end[axis] - bound).abs() <= 1e-9 * size;
+                        is_there && sign * direction[axis] > 1e-9 * size
+                    })
+                };
+                if least[axis] < of_ends_least[axis] || goes_beyond(least[axis], -1.0) {
                     least[axis] -= margin[axis];
                 }
-                if largest[axis] > of_ends_largest[axis] {
+                if largest[axis] > of_ends_largest[axis] || goes_beyond(largest[axis], 1.0) {
                     largest[axis] += margin[axis];
                 }
             }

@@ -25,6 +25,29 @@ pub struct DrawnFace {
     /// After which differences of u and of v the surface is the same, if it is closed. Edges may lie periods outside of
     /// its domain.
     pub periods: [Option<f64>; 2],
+    /// What was changed so that its loops could be drawn.
+    pub repairs: Repairs,
+}
+
+/// What was changed so that the loops of a face could be drawn.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Repairs {
+    /// Whether p-curves of the file were left out, because with them the loops are not closed or bound no part of the
+    /// surface.
+    pub without_pcurves: bool,
+    /// Whether the edges were put in another order: each is followed by the one that begins nearest to its end.
+    pub is_reordered: bool,
+    /// Gaps between edges that lines close, loop by loop. Gaps below 1e-7 of the model's diagonal are left out.
+    pub gaps: Vec<ClosedGap>,
+}
+
+/// A gap between two edges of a loop that a line closes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedGap {
+    /// The numbers of the edges before and after it.
+    pub edges: [usize; 2],
+    /// The distance in space between the end of one and the start of the other, on the surface.
+    pub length: f64,
 }
 
 impl DrawnFace {
@@ -68,6 +91,9 @@ pub struct DrawnEdge {
     pub trim_loop: usize,
     /// Where the segments come from.
     pub source: PcurveSource,
+    /// Whether no lines and cubics were found within the accuracy of fits, 1e-7 of the model's diagonal. The segments
+    /// are further from the edge; [`Model::deviations`] says how far.
+    pub is_rough: bool,
     /// The edge in the order of the loop.
     pub segments: Vec<Segment>,
 }
@@ -79,7 +105,8 @@ pub enum PcurveSource {
     File,
     /// The edge's curve in space; the file has no p-curve.
     Projected,
-    /// The edge's curve in space, because the file's p-curve is too far from it.
+    /// The edge's curve in space, because the file's p-curve is too far from it, or because the face could not be drawn
+    /// with it ([`Repairs::without_pcurves`]).
     Refused,
 }
 
@@ -162,9 +189,11 @@ impl Model {
             pcurve: PCURVE * diagonal,
             surface: SURFACE * diagonal,
             gap: GAP * diagonal,
+            line: FITTED * diagonal,
         };
         // The p-curves of the file may be wrong, and the order of the edges.
         let projected = Distances { pcurve: f64::NEG_INFINITY, ..distances };
+        let has_pcurves = face.loops.iter().flatten().any(|coedge| coedge.pcurve.is_some());
         let attempts = [(false, &distances), (false, &projected), (true, &projected)];
         let mut first_error = None;
         for (is_sorted, distances) in attempts {
@@ -172,7 +201,11 @@ impl Model {
                 .chains(face, &sheet, is_sorted, distances)
                 .and_then(|chains| boundary::drawn(face, &sheet, chains, FITTED * diagonal));
             match drawn {
-                Ok(drawn) => return Ok(drawn),
+                Ok(mut drawn) => {
+                    drawn.repairs.is_reordered = is_sorted;
+                    drawn.repairs.without_pcurves = has_pcurves && distances.pcurve < 0.0;
+                    return Ok(drawn);
+                }
                 Err(error) => first_error = first_error.or(Some(error)),
             }
         }

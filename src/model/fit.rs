@@ -43,14 +43,28 @@ pub(super) struct Fit<'a> {
     pub(super) breaks: &'a [Vec<f64>; 2],
 }
 
+/// Segments of an edge.
+#[derive(Default)]
+pub(super) struct Fitted {
+    pub(super) segments: Vec<Segment>,
+    /// Whether some of them are further from the edge than the accuracy allows.
+    pub(super) is_rough: bool,
+}
+
+impl From<Vec<Segment>> for Fitted {
+    fn from(segments: Vec<Segment>) -> Self {
+        Self { segments, is_rough: false }
+    }
+}
+
 impl Fit<'_> {
     /// The segments of the edge, from its start to its end.
-    pub(super) fn segments(&self) -> Vec<Segment> {
+    pub(super) fn segments(&self) -> Fitted {
         /// Exact curves of more segments are fitted too.
         const MANY: usize = 4;
         let exact = self.exact();
         if let Some(segments) = exact.as_ref().filter(|segments| segments.len() == 1) {
-            return segments.clone();
+            return segments.clone().into();
         }
         let [first, last] = self.trace.range;
         let ends = [self.place(first), self.place(last)];
@@ -58,19 +72,20 @@ impl Fit<'_> {
         let middles = self.trace.samples.windows(2).map(|pair| pair[0].0.midpoint(pair[1].0));
         let mut all = between().chain(middles).filter(|t| first < *t && *t < last);
         if all.all(|t| self.is_on_line(ends, &self.place(t))) {
-            return vec![Segment::Line(ends.map(|end| end.at))];
+            return vec![Segment::Line(ends.map(|end| end.at))].into();
         }
         match exact {
-            Some(segments) if segments.len() <= MANY => segments,
+            Some(segments) if segments.len() <= MANY => segments.into(),
             Some(segments) => {
                 let fitted = self.fitted(ends);
-                if fitted.len() < segments.len() { fitted } else { segments }
+                let is_better = !fitted.is_rough && fitted.segments.len() < segments.len();
+                if is_better { fitted } else { segments.into() }
             }
             None => self.fitted(ends),
         }
     }
 
-    fn fitted(&self, ends: [Place; 2]) -> Vec<Segment> {
+    fn fitted(&self, ends: [Place; 2]) -> Fitted {
         let [first, last] = self.trace.range;
         let mut breaks = self.trace.breaks();
         for axis in 0..2 {
@@ -82,7 +97,7 @@ impl Fit<'_> {
         breaks.push(last);
         breaks.sort_by(f64::total_cmp);
         let shortest = 1e-9 * (last - first);
-        let mut segments = Vec::new();
+        let mut fitted = Fitted::default();
         let mut from = ends[0];
         for (i, t) in breaks.iter().enumerate() {
             let is_last = i + 1 == breaks.len();
@@ -90,10 +105,10 @@ impl Fit<'_> {
                 continue;
             }
             let to = if is_last { ends[1] } else { self.place(*t) };
-            self.add(from, to, 0, &mut segments);
+            self.add(from, to, 0, &mut fitted);
             from = to;
         }
-        segments
+        fitted
     }
 
     /// Curves that need no fit: p-curves whose parameters are those of the drawn surface, and edges of planes.
@@ -146,33 +161,37 @@ impl Fit<'_> {
     }
 
     /// Appends the segments between two places.
-    fn add(&self, from: Place, to: Place, halvings: u32, segments: &mut Vec<Segment>) {
+    fn add(&self, from: Place, to: Place, halvings: u32, all: &mut Fitted) {
         let at = |share: f64| self.place(from.t + share * (to.t - from.t));
         let thirds = [at(1.0 / 3.0), at(2.0 / 3.0)];
         let middle = at(0.5);
         let is_line = |place: &Place| self.is_on_line([from, to], place);
         if is_line(&middle) && thirds.iter().all(is_line) && is_line(&at(0.2)) && is_line(&at(0.8))
         {
-            segments.push(Segment::Line([from.at, to.at]));
+            all.segments.push(Segment::Line([from.at, to.at]));
             return;
         }
-        let candidates = [fitted(&from, &thirds, &to), Some(through(&from, &thirds, &to))];
-        for cubic in candidates.into_iter().flatten() {
-            let is_near = |place: &Place, share: f64| {
-                let off = place.at - nearest(&cubic, place, share);
-                self.excess(place, off) <= 1.0
-            };
-            let near = is_near(&middle, 0.5)
-                && is_near(&thirds[0], 1.0 / 3.0)
-                && is_near(&thirds[1], 2.0 / 3.0)
-                && [0.12, 0.24, 0.76, 0.88].into_iter().all(|share| is_near(&at(share), share));
-            if near || halvings >= MAX_HALVINGS || segments.len() > MAX_SEGMENTS {
-                segments.push(Segment::Cubic(cubic));
-                return;
-            }
+        let is_near = |cubic: &[DVec2; 4], place: &Place, share: f64| {
+            let off = place.at - nearest(cubic, place, share);
+            self.excess(place, off) <= 1.0
+        };
+        let cubic = through(&from, &thirds, &to);
+        let candidates = [fitted(&from, &thirds, &to), Some(cubic)];
+        let found = candidates.into_iter().flatten().find(|cubic| {
+            is_near(cubic, &middle, 0.5)
+                && is_near(cubic, &thirds[0], 1.0 / 3.0)
+                && is_near(cubic, &thirds[1], 2.0 / 3.0)
+                && [0.12, 0.24, 0.76, 0.88].into_iter().all(|by| is_near(cubic, &at(by), by))
+        });
+        if let Some(cubic) = found {
+            all.segments.push(Segment::Cubic(cubic));
+        } else if halvings >= MAX_HALVINGS || all.segments.len() > MAX_SEGMENTS {
+            all.segments.push(Segment::Cubic(cubic));
+            all.is_rough = true;
+        } else {
+            self.add(from, middle, halvings + 1, all);
+            self.add(middle, to, halvings + 1, all);
         }
-        self.add(from, middle, halvings + 1, segments);
-        self.add(middle, to, halvings + 1, segments);
     }
 }
 

@@ -270,16 +270,28 @@ fn places([low, high]: [f64; 2], knots: &[f64], degree: usize, min: usize) -> Ve
 pub(super) fn nearest_on(curve: &BoundedCurve, point: DVec3, mut t: f64) -> (f64, f64) {
     let [low, high] = curve.range;
     let [mut here, mut slope] = curve.curve.at(t);
+    let (at_start, reach) = (here.distance(point), slope.length() * (high - low));
+    if reach < 1e-9 * at_start && (t == low || t == high) {
+        // An end where the curve stands still: no step leads away from it.
+        let found = nearest_on(curve, point, t + 2e-3 * (low.midpoint(high) - t));
+        return if found.1 < at_start { found } else { (t, at_start) };
+    }
     for _ in 0..12 {
         let step = (point - here).dot(slope) / slope.length_squared();
         if !step.is_finite() {
             break;
         }
-        let next = (t + step).clamp(low, high);
-        let [there, slope_there] = curve.curve.at(next);
-        if there.distance_squared(point) >= here.distance_squared(point) {
-            break;
-        }
+        // A step is halved if it goes too far, as at a sharp bend, or to an end from which no step leads back.
+        let is_long = step.abs() > 1e-6 * (high - low);
+        let tries = if is_long { 6 } else { 1 };
+        let nearer = (0..tries).find_map(|halvings| {
+            let next = (t + step * 0.5_f64.powi(halvings)).clamp(low, high);
+            let at = curve.curve.at(next);
+            let is_nearer = at[0].distance_squared(point) < here.distance_squared(point);
+            let goes_on = at[1].length_squared() > 1e-18 * slope.length_squared();
+            (is_nearer && (goes_on || !is_long)).then_some((next, at))
+        });
+        let Some((next, [there, slope_there])) = nearer else { break };
         let moved = (next - t).abs();
         (t, here, slope) = (next, there, slope_there);
         if moved <= 1e-12 * (high - low) {

@@ -60,24 +60,33 @@ impl Model {
     /// # Errors
     /// A file that cannot be read or is no model; as [`import`].
     pub fn load(path: &Path, options: &LoadOptions) -> Result<Self> {
+        Self::load_sewn(path, options).map(|(model, _)| model)
+    }
+
+    /// The same, and how many edges of a STEP, IGES or BREP file were joined to others that are the same in space
+    /// ([`Model::sew`]).
+    ///
+    /// # Errors
+    /// As [`Model::load`].
+    pub fn load_sewn(path: &Path, options: &LoadOptions) -> Result<(Self, usize)> {
         check_is_file(path)?;
         let LoadOptions { import_limit: limit, progress, .. } = *options;
-        let model = if is_cad_file(path) {
+        let (model, joined) = if is_cad_file(path) {
             let import_options = ImportOptions { limit, ..ImportOptions::default() };
             let note = |share| progress.map_or(ControlFlow::Continue(()), |note| note(share));
             let mut model = Self::from_text(&import(path, &import_options, note)?, path)?;
             // IGES files have no edges that faces share, and other files may lack some.
             let joined = model.sew(SEWN * model.diagonal());
             log::info!("{}: {joined} edges were joined to others", path.display());
-            model
+            (model, joined)
         } else {
             let file = File::open(path).map_err(|error| unreadable(path, error))?;
-            Self::read(BufReader::new(file), path)?
+            (Self::read(BufReader::new(file), path)?, 0)
         };
         if progress.is_some_and(|note| note(1.0).is_break()) {
             return Err(unreadable(path, ENDED));
         }
-        Ok(model)
+        Ok((model, joined))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Surfaces that the user clicks: the facts about a face of a CAD model, its outline, and which surfaces are hidden.
 
 use freeform_surface::inspect::reference::Rays;
-use freeform_surface::model::DrawnFace;
+use freeform_surface::model::{DrawnFace, Repairs};
 use freeform_surface::{Error, Result, Scene, Surface};
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -125,6 +125,7 @@ impl Picked {
             trims: surface.trims.clone(),
             edges: Vec::new(),
             periods: [None; 2],
+            repairs: Repairs::default(),
         };
         // Products are placed with one scale for all directions; the scale of the scene is no part of the model.
         let scale = volume(&surface.transform) / volume(&of.transform);

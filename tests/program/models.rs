@@ -49,6 +49,56 @@ fn info_says_what_a_model_consists_of() {
     assert_eq!(text(&output.stderr).lines().count(), 1);
 }
 
+/// A square whose edges are out of order, one with gaps, and a part of a cylinder with an edge along which the nearest
+/// parameter all but jumps.
+const REPAIRED: &str = "freeform-model 1 unit 0.001
+edge tolerance 1e-7 range 0 1 line 0 0 0  1 0 0
+edge tolerance 1e-7 range 0 1 line 1 0 0  0 1 0
+edge tolerance 1e-7 range 0 1 line 0 1 0  1 0 0
+edge tolerance 1e-7 range 0 1 line 0 0 0  0 1 0
+edge tolerance 1e-7 range 0 1 line 0 1.00001 0  1 0 0
+edge tolerance 1 range -1.25 1.25 line 0 1e-7 2  0.8 0 0.6
+edge tolerance 1e-7 range 0 3.141592653589793 circle origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1 1
+edge tolerance 1e-7 range 0 2.75 line 1 0 0  0 0 1
+edge tolerance 1e-7 range 0 1.25 line -1 0 0  0 0 1
+face name \"mixed\" tolerance 1e-7 forward bounds 0 1 0 1 plane origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1
+  loop 4 + 0 - 2 + 1 - 3
+face tolerance 1e-7 forward bounds 0 1 0 1 plane origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1
+  loop 4 + 0 + 1 - 4 - 3
+face tolerance 1e-7 forward bounds 0 3.2 0 3 cylinder origin 0 0 0 x 1 0 0 y 0 1 0 z 0 0 1 1
+  loop 4 + 6 + 8 + 5 - 7
+product faces 0 3
+end
+";
+
+#[test]
+fn info_says_what_was_repaired() {
+    let folder = Folder::new();
+    folder.write("repaired.ffm", REPAIRED);
+    let output = folder.run(&["info", "repaired.ffm"]);
+    let said = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let lines: Vec<&str> =
+        said.lines().skip_while(|line| !line.starts_with("p-curves left")).collect();
+    let starts = [
+        "p-curves left out        of 0 faces",
+        "edges reordered          of 1 faces",
+        "  face 0                 \"mixed\"",
+        "gaps closed by lines     2, at most 1.00e-5 mm (",
+        "  edge ",
+        "  edge ",
+        "edges drawn roughly      1",
+        "  edge 5, face 2         off by ",
+    ];
+    assert_eq!(lines.len(), starts.len(), "{said}");
+    for (line, start) in lines.iter().zip(starts) {
+        assert!(line.starts_with(start), "{line:?}, not {start:?} in {said}");
+    }
+    assert!(lines[4..6].iter().all(|line| line.contains(", face 1  ")), "{said}");
+    assert!(said.contains("\n  certainly below        "), "{said}");
+    assert!(said.contains("\n  joined to others       0\n"), "{said}");
+}
+
 #[test]
 fn convert_writes_the_model_whole_or_nothing() {
     let folder = Folder::new();

@@ -1,7 +1,7 @@
 //! The effects of actions and the mouse on a scene, without a window.
 
 use freeform_surface::inspect::measure::Random;
-use freeform_surface::{Error, IsolineCount, Keep, Shading};
+use freeform_surface::{IsolineCount, Keep, Shading};
 use glam::Vec3Swizzles as _;
 
 use super::super::action::{BINDINGS, Binding, Side, TrimKind};
