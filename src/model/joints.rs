@@ -61,7 +61,9 @@ pub struct JointPiece {
 /// A range of the pieces of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointRange {
-    /// The largest distance of the pieces' control points from the line between the ends of the range.
+    /// The line between the ends of the range, moved by this, runs through the middle of its pieces.
+    pub shift: DVec3,
+    /// The largest distance of the pieces' control points from that line.
     pub off: f64,
     /// Of both faces, the unit normal from which the normals along the range differ by at most the angle with the sine
     /// below; zero if that is not known, or a right angle or more.
@@ -150,8 +152,13 @@ impl Joint {
 /// Measures a range of pieces, and its halves.
 fn measure_ranges(pieces: &[JointPiece], number: usize, ranges: &mut Vec<JointRange>) {
     let [Some(first), Some(last)] = [pieces.first(), pieces.last()] else { return };
+    let middle = match &pieces[pieces.len() / 2] {
+        piece if pieces.len().is_multiple_of(2) => piece.points[0],
+        piece => point_of(&piece.points, 0.5),
+    };
     let ([start, ..], [.., end]) = (first.points, last.points);
-    let along = end - start;
+    let shift = 0.5 * (middle - start.midpoint(end));
+    let [start, along] = [start + shift, end - start];
     let off = |point: DVec3| {
         let share = (point - start).dot(along) / along.length_squared();
         let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
@@ -162,6 +169,7 @@ fn measure_ranges(pieces: &[JointPiece], number: usize, ranges: &mut Vec<JointRa
     }
     let [one, other] = [0, 1].map(|face| normals_of(pieces, face));
     ranges[number] = JointRange {
+        shift,
         off: pieces.iter().flat_map(|piece| piece.points).map(off).fold(0.0, f64::max),
         normals: [one.0, other.0],
         sines: [one.1, other.1],

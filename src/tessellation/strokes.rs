@@ -38,8 +38,11 @@ const CLOSED: f64 = 1e-6;
 const CLEARLY: f64 = 0.1;
 /// The longest segment in pixels that has one colour of a picture.
 const PICTURED: f64 = 4.0;
-/// How often a piece of an edge is halved at most.
-const MAX_HALVINGS: u32 = 40;
+/// How often a piece of an edge is divided at most.
+const MAX_DIVISIONS: u32 = 40;
+/// The largest value of |t (1 − t) (t − 1/2)| between 0 and 1: how far a cubic with a third difference of 1 is off the
+/// parabola through its ends and its middle.
+const CUBIC: f64 = 0.04812;
 /// The number of pixels that the segments of a line may be off its edge.
 const OFF_LINE: f64 = 1.0 / 32.0;
 
@@ -123,13 +126,13 @@ impl PlacedJoint<'_> {
     /// Whether both faces face away along a range of the pieces, so that the solid itself hides it.
     fn is_hidden(&self, number: usize, pieces: &[JointPiece]) -> bool {
         let Some((eye, signs)) = self.outside else { return false };
-        let JointRange { off, normals, sines } = self.ranges[number];
+        let JointRange { shift, off, normals, sines } = self.ranges[number];
         let (start, end) = (pieces[0].points[0], pieces[pieces.len() - 1].points[3]);
         // All lines of sight to the range differ from one of them by an angle with this sine at most.
         let (sight, spread) = match eye {
             Eye::Towards(direction) => (-direction.normalize_or_zero(), 0.0),
             Eye::At(eye) => {
-                let to_middle = start.midpoint(end) - eye;
+                let to_middle = start.midpoint(end) + shift - eye;
                 let distance = to_middle.length();
                 (to_middle / distance, (0.5 * start.distance(end) + off) / distance)
             }
@@ -225,13 +228,12 @@ impl StrokeView {
         let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
         let [Some(first), Some(last)] = [joint.pieces.first(), joint.pieces.last()] else { return };
         let is_closed = first.points[0].distance(last.points[3]) <= CLOSED * joint.ranges[0].off;
-        let part = |pieces: &[JointPiece], is_end: [bool; 2]| {
+        let part = |pieces: &[JointPiece], shift: DVec3, is_end: [bool; 2]| {
             let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
             let [a, b, c, d] = if pieces.len() == 1 {
                 first.points
             } else {
-                let (start, end) = (first.points[0], last.points[3]);
-                [start, start.lerp(end, 1.0 / 3.0), start.lerp(end, 2.0 / 3.0), end]
+                line(first.points[0] + shift, last.points[3] + shift)
             };
             let ends = [&first.start, &last.end].map(|besides| End {
                 normals: normals(besides),
@@ -250,18 +252,18 @@ impl StrokeView {
                 continue;
             }
             let is_end = [range.start == 0, range.end == joint.pieces.len()];
-            let part = part(pieces, is_end);
+            let JointRange { shift, off, .. } = joint.ranges[number];
+            let part = part(pieces, shift, is_end);
             if range.len() == 1 {
                 self.add_part(joint, faces_error, part, 0, segments);
                 continue;
             }
-            let off = scale * joint.ranges[number].off;
-            match self.look(joint, faces_error, &part, off, 0) {
+            match self.look(joint, faces_error, &part, scale * off, 0) {
                 Look::Outside => {}
                 Look::Straight(half_width) => {
                     segments.extend(self.segment(joint, &part, half_width));
                 }
-                Look::Other => {
+                Look::Other(_) => {
                     let middle = range.start + range.len() / 2;
                     ranges.push((2 * number + 2, middle..range.end));
                     ranges.push((2 * number + 1, range.start..middle));
@@ -270,15 +272,15 @@ impl StrokeView {
         }
     }
 
-    /// What a part looks like if it is nowhere further than `off` from the line between its ends. After many halvings it
-    /// counts as straight.
+    /// What a part looks like if it is nowhere further than `off` from the segment that stands for it. After many
+    /// divisions it counts as straight.
     fn look(
         &self,
         joint: &PlacedJoint<'_>,
         faces_error: f64,
         part: &Part,
         off: f64,
-        halvings: u32,
+        divisions: u32,
     ) -> Look {
         let depths = part.points.map(|point| -point.z);
         let farthest = depths.into_iter().fold(f64::NEG_INFINITY, f64::max) + off;
@@ -305,10 +307,11 @@ impl StrokeView {
         let is_pictured =
             joint.line.is_none() && joint.sides.iter().any(|side| side.picture.is_some());
         let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
-        if (error + excess <= off_edge && is_short) || halvings >= MAX_HALVINGS {
+        if (error + excess <= off_edge && is_short) || divisions >= MAX_DIVISIONS {
             Look::Straight(half_width(error))
         } else {
-            Look::Other
+            let is_only_bent = is_in_front && is_short && 2.0 * excess <= off_edge;
+            Look::Other(if is_only_bent { (off_edge - excess) / px } else { 0.0 })
         }
     }
 
@@ -317,15 +320,20 @@ impl StrokeView {
         joint: &PlacedJoint<'_>,
         faces_error: f64,
         part: Part,
-        halvings: u32,
+        divisions: u32,
         segments: &mut Vec<StrokeSegment>,
     ) {
-        match self.look(joint, faces_error, &part, part.bend(), halvings) {
+        match self.look(joint, faces_error, &part, part.bend(), divisions) {
             Look::Outside => {}
-            Look::Straight(half_width) => segments.extend(self.segment(joint, &part, half_width)),
-            Look::Other => {
-                for half in part.halves() {
-                    self.add_part(joint, faces_error, half, halvings + 1, segments);
+            Look::Straight(half_width) => {
+                segments.extend(self.segment(joint, &part.straight(), half_width));
+            }
+            Look::Other(limit) => {
+                let count = part.count_within(limit);
+                for number in 0..count {
+                    let [from, to] = [number, number + 1].map(|i| f64::from(i) / f64::from(count));
+                    let part = part.between(from, to);
+                    self.add_part(joint, faces_error, part, divisions + 1, segments);
                 }
             }
         }
@@ -457,6 +465,11 @@ impl StrokeView {
     }
 }
 
+/// The control points of a line as a cubic.
+fn line(start: DVec3, end: DVec3) -> [DVec3; 4] {
+    [start, start.lerp(end, 1.0 / 3.0), start.lerp(end, 2.0 / 3.0), end]
+}
+
 /// A colour as one number.
 fn packed([red, green, blue]: [u8; 3]) -> f32 {
     (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue)
@@ -468,8 +481,9 @@ enum Look {
     Outside,
     /// A segment with half of this width covers it.
     Straight(f64),
-    /// It is bent, or near the eye.
-    Other,
+    /// It is bent, or near the eye. Parts of it that are off their segments by at most this, in space, count as straight;
+    /// 0 if that is not known.
+    Other(f64),
 }
 
 /// An end of a part of an edge.
@@ -504,33 +518,60 @@ struct Part {
 }
 
 impl Part {
-    /// Upper bound of the distance of the cubic from the line between its ends, at equal parameters.
+    /// Upper bound of the distance of the cubic from its segment ([`Part::straight`]), at equal parameters.
     fn bend(&self) -> f64 {
-        let [a, b, c, d] = self.points;
-        let second = |a: DVec3, b: DVec3, c: DVec3| (a - 2.0 * b + c).length_squared();
-        // An eighth of the largest second derivative, which is 6 times the largest second difference.
-        0.75 * second(a, b, c).max(second(b, c, d)).sqrt()
+        let [middle, third] = self.off_line();
+        0.5 * middle.length() + CUBIC * third.length()
     }
 
-    fn halves(&self) -> [Self; 2] {
+    /// How far the middle of the cubic is off the line between its ends, and the third difference.
+    fn off_line(&self) -> [DVec3; 2] {
         let [a, b, c, d] = self.points;
-        let (ab, bc, cd) = (a.midpoint(b), b.midpoint(c), c.midpoint(d));
-        let (abc, bcd) = (ab.midpoint(bc), bc.midpoint(cd));
-        let middle = abc.midpoint(bcd);
+        [0.375 * (b + c - a - d), d - 3.0 * c + 3.0 * b - a]
+    }
+
+    /// The least number of equal parts, or 2, that are off their segments by at most `limit`.
+    fn count_within(&self, limit: f64) -> u32 {
+        /// More parts might be out of the picture.
+        const MOST: u32 = 16;
+        let [a, b, c, d] = self.points;
+        let second = |a: DVec3, b: DVec3, c: DVec3| (a - 2.0 * b + c).length_squared();
+        // Half of an eighth of the largest second derivative, which is 6 times the largest second difference.
+        let second = 0.375 * second(a, b, c).max(second(b, c, d)).sqrt();
+        let third = CUBIC * self.off_line()[1].length();
+        let is_within = |count: &u32| {
+            let share = 1.0 / f64::from(*count);
+            (second + third * share) * share * share <= limit
+        };
+        (2..=MOST).find(is_within).unwrap_or(2)
+    }
+
+    /// The straight part that stands for the cubic: the line between its ends, moved by half of the way to its middle.
+    fn straight(&self) -> Self {
+        let shift = 0.5 * self.off_line()[0];
+        let [start, .., end] = self.points;
+        Self { points: line(start + shift, end + shift), ..*self }
+    }
+
+    /// The part between two parameters.
+    fn between(&self, from: f64, to: f64) -> Self {
+        let [a, b, c, d] = self.points;
+        // The blossom of the cubic.
+        let point = |r: f64, s: f64, t: f64| {
+            let (ab, bc, cd) = (a.lerp(b, r), b.lerp(c, r), c.lerp(d, r));
+            ab.lerp(bc, s).lerp(bc.lerp(cd, s), t)
+        };
         let [start, end] = self.ends;
-        let between = start.between(end, 0.5);
-        [
-            Self {
-                points: [a, ab, abc, middle],
-                ends: [start, between],
-                is_end: [self.is_end[0], false],
-            },
-            Self {
-                points: [middle, bcd, cd, d],
-                ends: [between, end],
-                is_end: [false, self.is_end[1]],
-            },
-        ]
+        Self {
+            points: [
+                point(from, from, from),
+                point(from, from, to),
+                point(from, to, to),
+                point(to, to, to),
+            ],
+            ends: [from, to].map(|share| start.between(end, share)),
+            is_end: [self.is_end[0] && from == 0.0, self.is_end[1] && to == 1.0],
+        }
     }
 
     /// The straight part beyond a distance along the view axis.
@@ -551,11 +592,6 @@ impl Part {
         } else if b < 0.0 {
             end = cut;
         }
-        let thirds = [1.0 / 3.0, 2.0 / 3.0].map(|share| start.0.lerp(end.0, share));
-        Some(Self {
-            points: [start.0, thirds[0], thirds[1], end.0],
-            ends: [start.1, end.1],
-            is_end: self.is_end,
-        })
+        Some(Self { points: line(start.0, end.0), ends: [start.1, end.1], is_end: self.is_end })
     }
 }
