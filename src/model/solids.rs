@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use super::{DrawnFace, Face, FaceSurface, Joint, JointKind, Model};
+use super::{DrawnEdge, DrawnFace, Face, FaceSurface, Joint, JointKind, Model};
 use crate::bezier::bounding_box;
 use crate::error::Result;
 use crate::parallel;
@@ -19,7 +19,7 @@ pub struct Outside {
 
 /// The least share of the sum over all faces, without signs, that the integral for a volume must have. Below, its sign
 /// could be an error of the integration.
-const CERTAIN: f64 = 0.01;
+const CERTAIN: f64 = 0.1;
 
 impl Model {
     /// The solids that the drawn faces enclose: for each face, its outside; `None` where some face is missing, has an
@@ -88,8 +88,11 @@ impl Shells {
         }
         let is_end = |(face, drawn): (&Face, &Result<DrawnFace>)| match drawn {
             Ok(drawn) => {
-                drawn.edges.iter().any(|edge| !is_shared[edge.edge])
-                    || has_bare_border(face, Some(drawn))
+                // A face goes on around a pole, which has no curve.
+                let ends = |edge: &DrawnEdge| {
+                    !is_shared[edge.edge] && model.edges[edge.edge].curve.is_some()
+                };
+                drawn.edges.iter().any(ends) || has_bare_border(face, Some(drawn))
             }
             Err(_) => true,
         };

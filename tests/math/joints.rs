@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use freeform_surface::LoadOptions;
 use freeform_surface::model::{Continuity, Joint, JointKind, Model};
 
+use crate::cad_models::files;
+
 fn load(name: &str) -> Model {
     let path = format!("{}/resources/models/{name}.ffm", env!("CARGO_MANIFEST_DIR"));
     Model::load(path.as_ref(), &LoadOptions::default()).unwrap()
@@ -83,6 +85,33 @@ fn the_outside_of_closed_solids_is_known_whatever_their_faces_say() {
         for (before, after) in found.iter().zip(opened) {
             let is_open = before.unwrap().solid == of_first;
             assert_eq!(after.is_none(), is_open, "{name}");
+        }
+    }
+}
+
+#[test]
+fn the_outside_of_solids_in_cad_files_is_that_of_the_kernel() {
+    let Some((_, files)) = files() else { return };
+    // Whether the file has solids only. The NIST part and the boxed sphere have poles.
+    let expected = [
+        ("as1-oc-214.stp", true),
+        ("axom_boxed_sphere.step", true),
+        ("gpucast_teapot.igs", false),
+        ("io1-cm-214.stp", true),
+        ("m6_screw_thread.step", true),
+        ("nist_mbe_pmi_6.stp", true),
+    ];
+    for (name, is_solid) in expected {
+        let file = files.iter().find(|file| file.ends_with(name)).unwrap();
+        let model = Model::load(file, &LoadOptions::default()).unwrap();
+        let faces = model.drawn_faces();
+        let joints = model.joints(&faces, model.diagonal());
+        for (number, (face, outside)) in
+            std::iter::zip(&model.faces, model.outsides(&faces, &joints)).enumerate()
+        {
+            let sign = if face.reversed { -1.0 } else { 1.0 };
+            let found = outside.map(|outside| outside.sign);
+            assert_eq!(found, is_solid.then_some(sign), "{name}: face {number}");
         }
     }
 }
