@@ -172,8 +172,8 @@ pub(crate) const BINDINGS: &[Binding] = &[
         help: "wireframe: red lines, blue control points",
     },
     Binding {
-        keys: &[(letter('o'), Action::Edges)],
-        help: "outlines: edges of CAD models on, off",
+        keys: &[(letter('d'), Action::Edges)],
+        help: "draw edges of CAD models: on, off",
     },
     Binding {
         keys: &[(letter('u'), Action::Isolines)],
@@ -221,7 +221,7 @@ pub(crate) const BINDINGS: &[Binding] = &[
         ],
         help: "move the camera",
     },
-    Binding { keys: &[(letter('d'), Action::Hide)], help: "hide the face that was clicked" },
+    Binding { keys: &[(letter('v'), Action::Hide)], help: "hide the face that was clicked" },
     Binding { keys: &[(letter('a'), Action::ShowAll)], help: "show all faces" },
     Binding { keys: &[(ctrl('z'), Action::Undo)], help: "undo" },
     Binding { keys: &[(ctrl_shift('z'), Action::Redo)], help: "redo" },

@@ -28,10 +28,10 @@ fn faces_of_a_dropped_model_are_clicked_hidden_and_shown() {
     assert!(changed(&square, &start) > 50_000);
 
     // Lines along the edges.
-    screen.keys(&["o"]);
+    screen.keys(&["d"]);
     let off = changed(&start, &screen.picture());
     assert!((500..20_000).contains(&off), "lines: {off}");
-    screen.keys(&["o"]);
+    screen.keys(&["d"]);
     assert_same("view-edges-off", &start, &screen.picture(), &[], 0);
     // Isolines.
     screen.keys(&["u"]);
@@ -49,7 +49,7 @@ fn faces_of_a_dropped_model_are_clicked_hidden_and_shown() {
     let clicked = screen.picture();
     let off = changed(&start, &clicked);
     assert!((300..60_000).contains(&off), "a line of text and an outline: {off}");
-    screen.keys(&["d"]);
+    screen.keys(&["v"]);
     screen.mouse(&["mousemove", "500", "590"]);
     let hidden = screen.picture();
     let pixel = |picture: &Image| picture.get_pixel(place.x as u32, place.y as u32).0;
