@@ -30,6 +30,9 @@ layout(location = 32) uniform float depthScale;
 
 void main()
 {
+#ifdef STUDIO
+    vec3 upright = uprightAt(position.xyz);
+#endif
 #ifdef TEXTURED
 #ifdef OVER_DOMAIN
     vec2 place = passPictureCoord;
@@ -62,7 +65,9 @@ void main()
     if (cut(passTessCoord))
         discard;
 #endif
-#if defined(PHONG)
+#if defined(STUDIO)
+    fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord), upright), 1.0);
+#elif defined(PHONG)
     fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord)), 1.0);
 #elif defined(NORMALS)
     vec3 normal = normalAt(passTessCoord);

@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use crate::gpu::StageKind::{self, Fragment, Geometry, TessControl, TessEvaluation, Vertex};
-use crate::scene::Method;
+use crate::scene::{Light, Method};
 
 /// A file of a stage.
 pub(super) struct Ingredient {
@@ -19,8 +19,10 @@ enum When {
     Picture,
     /// The output is AOVs.
     Aovs,
-    /// The output is not AOVs, and the shading is Phong's.
-    Lit,
+    /// The output is not AOVs, and surfaces are lit by the thesis' lamps.
+    LitAsThesis,
+    /// The output is not AOVs, and surfaces are lit by the studio's lamps.
+    LitInStudio,
     /// There are trims.
     Trimmed,
     /// The fragment stage evaluates patches: normals are evaluated per pixel, or there are isolines.
@@ -35,19 +37,21 @@ enum When {
 /// Properties of a program that determine its files.
 pub(super) struct Facts {
     pub(super) aovs: bool,
-    pub(super) phong: bool,
+    /// `None`: unlit.
+    pub(super) light: Option<Light>,
     pub(super) trimmed: bool,
     pub(super) pixel_normals: bool,
     pub(super) isolines: bool,
 }
 
 impl Ingredient {
-    pub(super) const fn is_part(&self, facts: &Facts) -> bool {
+    pub(super) fn is_part(&self, facts: &Facts) -> bool {
         match self.when {
             When::Always => true,
             When::Picture => !facts.aovs,
             When::Aovs => facts.aovs,
-            When::Lit => facts.phong && !facts.aovs,
+            When::LitAsThesis => facts.light == Some(Light::Thesis) && !facts.aovs,
+            When::LitInStudio => facts.light == Some(Light::Studio) && !facts.aovs,
             When::Trimmed => facts.trimmed,
             When::Evaluated => facts.pixel_normals || facts.isolines,
             When::Isolines => facts.isolines,
@@ -81,7 +85,8 @@ const THESIS: &[Ingredient] = recipe! {
     TessControl "thesis/surface.tesc" Always;
     TessEvaluation "thesis/surface.tese" Always;
     Geometry "common/aov.geom" Aovs;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "thesis/surface.frag" Picture;
@@ -108,7 +113,8 @@ const EXACT: &[Ingredient] = recipe! {
     Fragment "exact/patch.glsl" Evaluated;
     Fragment "common/normal.frag" Normal;
     Fragment "exact/isolines.glsl" Isolines;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "common/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -121,7 +127,8 @@ const TRIANGLES: &[Ingredient] = recipe! {
     TessEvaluation "triangles/triangle.tese" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "common/normal.frag" Picture;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
 };
@@ -130,7 +137,8 @@ const STATIC_EXACT: &[Ingredient] = recipe! {
     Vertex "common/static.vert" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "common/normal.frag" Picture;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -139,7 +147,8 @@ const STATIC_EXACT: &[Ingredient] = recipe! {
 const STATIC_THESIS: &[Ingredient] = recipe! {
     Vertex "common/static.vert" Always;
     Geometry "common/aov.geom" Aovs;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "thesis/surface.frag" Picture;
@@ -147,7 +156,8 @@ const STATIC_THESIS: &[Ingredient] = recipe! {
 
 const STROKES: &[Ingredient] = recipe! {
     Vertex "exact/stroke.vert" Always;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "exact/stroke.frag" Always;
 };
 
