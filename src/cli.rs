@@ -26,7 +26,7 @@ use indicatif::ProgressBar;
 use render::Job;
 use report::{ReportFormat, Topic};
 
-use crate::io::input::{self, PictureArguments, LoadArguments, crease_angle};
+use crate::io::input::{self, LoadArguments, PictureArguments, crease_angle};
 use crate::io::output::Output;
 use crate::io::say;
 use crate::view::{self, ViewArguments};

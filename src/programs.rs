@@ -344,12 +344,13 @@ macro_rules! glsl {
 }
 
 /// Every shader file of `glsl/`: its path there and its text.
-const FILES: [(&str, &str); 29] = glsl![
+const FILES: [(&str, &str); 30] = glsl![
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
     "common/normal.frag",
     "common/phong.glsl",
+    "common/srgb.glsl",
     "common/static.vert",
     "common/studio.glsl",
     "common/trim.glsl",
@@ -430,7 +431,8 @@ impl Sources {
         let mut defines = vec![("SAMPLES", samples)];
         let mut facts = Facts {
             aovs: key.output == Output::Aovs,
-            light: (key.shading == Shading::Phong).then_some(key.light),
+            light: (key.shading == Shading::Phong && key.output != Output::Aovs)
+                .then_some(key.light),
             trimmed: key.trims.any(),
             pixel_normals: false,
             isolines: false,

@@ -283,7 +283,10 @@ impl<'a> SurfaceView<'a> {
         let paint = self.sampler.sample(place, steps);
         let (position, normal) = (vertex.position(), vertex.normal());
         let (shading, lamps) = (self.surface.shading, self.lamps);
-        (shading::color(shading, paint.truncate(), position, normal, sample.upright, lamps), paint.w)
+        (
+            shading::color(shading, paint.truncate(), position, normal, sample.upright, lamps),
+            paint.w,
+        )
     }
 }
 

@@ -236,10 +236,7 @@ impl Scene {
 
     /// An empty scene for a file.
     fn empty(path: &Path) -> Self {
-        Self {
-            files: vec![path.to_owned()],
-            ..Self::default()
-        }
+        Self { files: vec![path.to_owned()], ..Self::default() }
     }
 
     /// The matrices of the scene's camera, or of the one that frames it, for a picture of `width` × `height` pixels.

@@ -41,7 +41,7 @@ use std::path::PathBuf;
 use crate::io::Result;
 use clap::Args;
 
-use crate::io::input::{PictureArguments, LoadArguments};
+use crate::io::input::{LoadArguments, PictureArguments};
 use crate::io::say;
 
 /// The arguments of `freeform view`.

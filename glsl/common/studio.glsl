@@ -1,7 +1,7 @@
 // The studio: lamps that move with the camera, and a hemisphere. Keep in step with src/reference/shading.rs.
 //
-// A colour is sRGB when it comes in and when it goes out; in between, light is added up in linear values. All vectors
-// are in view space. No sum of the lamps exceeds 1, so nothing is clipped.
+// Light is added up in linear values; the result is sRGB. All vectors are in view space. No sum of the lamps exceeds 1,
+// so nothing is clipped.
 
 // Homogeneous: the eye at the origin, or the direction of the z axis in an orthographic view.
 layout(location = 44) uniform vec4 eye;
@@ -9,17 +9,6 @@ layout(location = 44) uniform vec4 eye;
 const vec3 KEY = normalize(vec3(-2.0, 3.0, 3.0));
 const vec3 FILL = normalize(vec3(3.0, 0.5, 2.0));
 const vec3 RIM = normalize(vec3(1.0, 2.0, -1.5));
-
-// The standard's formula (IEC 61966-2-1), both ways.
-vec3 linearOf(vec3 srgb)
-{
-    return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), greaterThan(srgb, vec3(0.04045)));
-}
-
-vec3 srgbOf(vec3 light)
-{
-    return mix(12.92 * light, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055, greaterThan(light, vec3(0.0031308)));
-}
 
 // Zero stays zero.
 vec3 unit(vec3 vector)
@@ -30,13 +19,14 @@ vec3 unit(vec3 vector)
 // Upright on the triangle that a pixel shows, towards the eye; 0 on a line. It has derivatives: not behind a discard.
 vec3 uprightAt(vec3 position)
 {
-    vec3 upright = cross(unit(dFdx(position)), unit(dFdy(position)));
-    return dot(upright, upright) > 1e-6 ? upright : vec3(0.0);
+    vec3 right = unit(dFdx(position)), up = dFdy(position);
+    vec3 upright = cross(right, up);
+    return dot(upright, upright) > 1e-6 * dot(up, up) ? upright : vec3(0.0);
 }
 
 // Both sides are lit alike: a normal that points behind the triangle is turned around. Its angle to the eye would not
 // do: between the vertices of triangles, normals point away from the eye before the silhouette.
-vec3 lit(vec3 diffuseColor, vec3 position, vec3 normal, vec3 upright)
+vec3 lit(vec3 linearColor, vec3 position, vec3 normal, vec3 upright)
 {
     vec3 toEye = normalize(eye.xyz - eye.w * position);
     normal = unit(normal);
@@ -51,5 +41,5 @@ vec3 lit(vec3 diffuseColor, vec3 position, vec3 normal, vec3 upright)
     gloss *= gloss;
     gloss *= gloss;
     gloss *= gloss;
-    return srgbOf(mix(light * linearOf(diffuseColor), vec3(1.0), 0.3 * gloss));
+    return srgbOf(mix(light * linearColor, vec3(1.0), 0.3 * gloss));
 }

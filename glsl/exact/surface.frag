@@ -10,8 +10,8 @@ layout(location = 6) in vec3 passColor; // interpolated from the vertices of a m
 
 #if defined(OVER_DOMAIN)
 layout(location = 8) in vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
-#elif !defined(TEXTURED) && defined(SHARED)
-layout(location = 8) flat in vec3 passPaint; // the surface's colour
+#elif !defined(TEXTURED) && (defined(SHARED) || defined(STUDIO))
+layout(location = 8) flat in vec3 passPaint; // the surface's colour; linear with STUDIO
 #elif !defined(TEXTURED)
 layout(location = 36) uniform vec3 passPaint; // the surface's colour
 #endif
@@ -52,6 +52,9 @@ void main()
 #endif
 #ifdef COLORED
     diffuseColor *= passColor;
+#endif
+#if defined(STUDIO) && defined(TEXTURED)
+    diffuseColor = linearOf(diffuseColor);
 #endif
 #if defined(TRIMMED) && SAMPLES > 1
     int kept = 0;

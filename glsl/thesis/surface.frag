@@ -33,7 +33,7 @@ void main()
         discard;
 #endif
 #if defined(STUDIO)
-    fragmentColor = vec4(lit(diffuseColor, position.xyz, passNormal, upright), 1.0);
+    fragmentColor = vec4(lit(linearOf(diffuseColor), position.xyz, passNormal, upright), 1.0);
 #elif defined(PHONG)
     fragmentColor = vec4(lit(diffuseColor, position.xyz, passNormal), 1.0);
 #elif defined(NORMALS)

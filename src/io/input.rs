@@ -8,8 +8,8 @@ use std::time::Duration;
 use super::{Error, Result};
 use clap::Args;
 use freeform_surface::{
-    Cause, CreaseAngle, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions, RenderSettings,
-    Scene, UpAxis,
+    Cause, CreaseAngle, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions,
+    RenderSettings, Scene, UpAxis,
 };
 
 /// The name of standard input on the command line.

@@ -19,9 +19,9 @@ enum When {
     Picture,
     /// The output is AOVs.
     Aovs,
-    /// The output is not AOVs, and surfaces are lit by the thesis' lamps.
+    /// The output is not AOVs, and the thesis' lamps are lit.
     LitAsThesis,
-    /// The output is not AOVs, and surfaces are lit by the studio's lamps.
+    /// The output is not AOVs, and the studio's lamps are lit.
     LitInStudio,
     /// There are trims.
     Trimmed,
@@ -37,7 +37,7 @@ enum When {
 /// Properties of a program that determine its files.
 pub(super) struct Facts {
     pub(super) aovs: bool,
-    /// `None`: unlit.
+    /// `None`: unlit, or AOVs.
     pub(super) light: Option<Light>,
     pub(super) trimmed: bool,
     pub(super) pixel_normals: bool,
@@ -50,8 +50,8 @@ impl Ingredient {
             When::Always => true,
             When::Picture => !facts.aovs,
             When::Aovs => facts.aovs,
-            When::LitAsThesis => facts.light == Some(Light::Thesis) && !facts.aovs,
-            When::LitInStudio => facts.light == Some(Light::Studio) && !facts.aovs,
+            When::LitAsThesis => facts.light == Some(Light::Thesis),
+            When::LitInStudio => facts.light == Some(Light::Studio),
             When::Trimmed => facts.trimmed,
             When::Evaluated => facts.pixel_normals || facts.isolines,
             When::Isolines => facts.isolines,
@@ -86,6 +86,7 @@ const THESIS: &[Ingredient] = recipe! {
     TessEvaluation "thesis/surface.tese" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
@@ -107,6 +108,7 @@ const EXACT: &[Ingredient] = recipe! {
     TessEvaluation "common/levels.glsl" Always;
     TessEvaluation "exact/points.glsl" Always;
     TessEvaluation "exact/patch.glsl" Always;
+    TessEvaluation "common/srgb.glsl" LitInStudio;
     TessEvaluation "exact/surface.tese" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "exact/points.glsl" Evaluated;
@@ -114,6 +116,7 @@ const EXACT: &[Ingredient] = recipe! {
     Fragment "common/normal.frag" Normal;
     Fragment "exact/isolines.glsl" Isolines;
     Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
     Fragment "common/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
@@ -128,6 +131,7 @@ const TRIANGLES: &[Ingredient] = recipe! {
     Geometry "common/aov.geom" Aovs;
     Fragment "common/normal.frag" Picture;
     Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -138,6 +142,7 @@ const STATIC_EXACT: &[Ingredient] = recipe! {
     Geometry "common/aov.geom" Aovs;
     Fragment "common/normal.frag" Picture;
     Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
@@ -148,6 +153,7 @@ const STATIC_THESIS: &[Ingredient] = recipe! {
     Vertex "common/static.vert" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
@@ -157,6 +163,7 @@ const STATIC_THESIS: &[Ingredient] = recipe! {
 const STROKES: &[Ingredient] = recipe! {
     Vertex "exact/stroke.vert" Always;
     Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
     Fragment "exact/stroke.frag" Always;
 };

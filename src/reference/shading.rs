@@ -108,7 +108,8 @@ mod tests {
         let position = DVec3::new(0.0, 0.0, -2.0);
         let camera = ViewProjection { view, projection: DMat4::IDENTITY };
         let lamps = Lamps::new(Light::Thesis, &camera);
-        let lit = |normal| color(Shading::Phong, DVec3::splat(0.5), position, normal, DVec3::Z, lamps);
+        let lit =
+            |normal| color(Shading::Phong, DVec3::splat(0.5), position, normal, DVec3::Z, lamps);
         // Ambient 0.05, diffuse 0.5, and both reflections point exactly towards the eye or away from it.
         assert!((lit(DVec3::Z) - DVec3::splat(0.05 + 0.5 + 1.0)).length() < 1e-12);
         // The two lights together light both sides of a surface alike.
@@ -149,10 +150,17 @@ mod tests {
             color(Shading::Phong, DVec3::ONE, -to_eye, normal, DVec3::ZERO, lamps).x
         };
         let directions = |steps: i32| {
-            (0..=steps).flat_map(move |i| (0..2 * steps).map(move |j| {
-                let [tilt, turn] = [i, j].map(|k| f64::from(k) * std::f64::consts::PI / f64::from(steps));
-                DVec3::new(f64::sin(tilt) * f64::cos(turn), f64::sin(tilt) * f64::sin(turn), f64::cos(tilt))
-            }))
+            (0..=steps).flat_map(move |i| {
+                (0..2 * steps).map(move |j| {
+                    let [tilt, turn] =
+                        [i, j].map(|k| f64::from(k) * std::f64::consts::PI / f64::from(steps));
+                    DVec3::new(
+                        f64::sin(tilt) * f64::cos(turn),
+                        f64::sin(tilt) * f64::sin(turn),
+                        f64::cos(tilt),
+                    )
+                })
+            })
         };
         let (mut darkest, mut brightest) = (f64::MAX, 0.0_f64);
         for to_eye in directions(24).filter(|direction| direction.z >= 0.5) {

@@ -3,8 +3,8 @@
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::model::Continuity;
 use freeform_surface::{
-    EdgeColor, Edges, FrameStats, IsolineCount, Light, LineWidth, Method, Newton, Paint, Scene, TessLevel,
-    Tessellation, Tolerance, Trims,
+    EdgeColor, Edges, FrameStats, IsolineCount, Light, LineWidth, Method, Newton, Paint, Scene,
+    TessLevel, Tessellation, Tolerance, Trims,
 };
 use glam::{DVec2, DVec3};
 

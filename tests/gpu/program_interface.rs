@@ -239,8 +239,15 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             let light = if has(3) { Light::Studio } else { Light::Thesis };
             let pipeline =
                 Pipeline::Exact { degree, samples, patches, shared, painting, normals, isolines };
-            let key =
-                ProgramKey { pipeline, shading, light, trims, output, far_depth: has(1), cut_out: has(2) };
+            let key = ProgramKey {
+                pipeline,
+                shading,
+                light,
+                trims,
+                output,
+                far_depth: has(1),
+                cut_out: has(2),
+            };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));
