@@ -85,7 +85,9 @@ fn main() {
             criterion.bench_function(&format!("tessellated: {name}"), |b| b.iter(&mut tessellated));
             let mut still = Renderer::new(gl).expect("a renderer");
             let circle = surface.trims.circles[0];
-            let program = still.program(style.key(Output::Picture, false)).expect("it links");
+            let program = still
+                .program(style.key(frame.settings.light, Output::Picture, false))
+                .expect("it links");
             program.set_i32(location::CIRC_BOOL, 1);
             program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());
             program.set_f32(location::TRIM_RADIUS, circle.radius as f32);

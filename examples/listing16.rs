@@ -6,7 +6,7 @@
 use std::rc::Rc;
 
 use freeform_surface::{
-    Frame, FreeFormSurface, Offscreen, RenderSettings, Scene, Texture, load_texture,
+    Frame, FreeFormSurface, Light, Offscreen, RenderSettings, Scene, Texture, load_texture,
 };
 use glam::{DMat4, dvec2, dvec3};
 
@@ -25,7 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Listing 16. The camera is the one that frames the scene of the same listing.
     let size = (1000, 600);
     let camera = Scene::listing16().projection(size.0, size.1);
-    let frame = Frame::new(camera, size, RenderSettings::default());
+    let settings = RenderSettings { light: Light::Thesis, ..RenderSettings::default() };
+    let frame = Frame::new(camera, size, settings);
     freeform.set_model_matrix(DMat4::from_translation(dvec3(0.0, 1.0, 0.0)))?;
     freeform.set_specific_control_point(dvec3(-0.17, 0.5, 0.17), 5)?;
     freeform.set_specific_control_point(dvec3(0.17, 0.5, 0.17), 6)?;

@@ -1,7 +1,7 @@
 //! Makes the scenes in `resources/scenes/gallery`, which show uses of exact trims: `cargo run --release
 //! --example make_gallery`.
 //!
-//! The lights are 10 above and 10 below the world's origin, so each scene has a place relative to it. Shadows
+//! The thesis' lamps are 10 above and 10 below the world's origin, so each scene has a place relative to it. Shadows
 //! are surfaces too: the shadow of a patch on a floor is a rational patch with the same trims.
 
 use std::f64::consts::TAU;
@@ -46,7 +46,7 @@ impl Scene {
         let mut text = format!(
             "# {}\n# Made by examples/make_gallery.rs.\n\n\
              [camera]\neye = {eye}\ntarget = {target}\nfov_y_degrees = 30.0\n\n\
-             [render]\nmethod = \"exact\"\nlevel = 32\nsamples = 4\nbackground = {:?}\n",
+             [render]\nmethod = \"exact\"\nlight = \"thesis\"\nlevel = 32\nsamples = 4\nbackground = {:?}\n",
             self.about, self.background,
         );
         for Surface { points, color, shading, keep, path } in &self.surfaces {
@@ -69,7 +69,7 @@ impl Surface {
         Self { points: points.map(|point| point.extend(1.0)), color, shading: "phong", keep, path }
     }
 
-    /// The shadow on the floor that the upper light of a scene at `place` casts.
+    /// The shadow on the floor that the upper lamp of a scene at `place` casts.
     fn shadow(&self, place: DVec3, floor: f64, color: [f64; 3]) -> Self {
         let light = dvec3(0.0, 10.0, 0.0) - place;
         let points = self.points.map(|point| {

@@ -73,15 +73,13 @@ impl ViewProjection {
         (z.w + w.w) / (z.z + w.z)
     }
 
-    /// The distance of the farther clip plane from the eye, or 1 if it is at infinity.
-    pub(crate) fn reach(&self) -> f64 {
-        let to_view = self.projection.inverse();
-        let distance = |depth: f64| {
-            let point = to_view * DVec4::new(0.0, 0.0, depth, 1.0);
-            (point.z / point.w).abs()
-        };
-        let reach = distance(-1.0).max(distance(1.0));
-        if reach.is_finite() && reach > 0.0 { reach } else { 1.0 }
+    /// The eye in view space, homogeneous and of length 1: (0, 0, 0, 1) in perspective, and in parallel projections the
+    /// direction towards it, (0, 0, 1, 0).
+    pub(crate) fn eye_in_view(&self) -> DVec4 {
+        // The point that is everywhere in the picture.
+        let eye = self.projection.inverse() * DVec4::NEG_Z;
+        let eye = eye.normalize_or(DVec4::W);
+        if eye.w < 0.0 || eye.w == 0.0 && eye.z < 0.0 { -eye } else { eye }
     }
 
     /// The projection that the driver gets. If depth is written as the distance, its far plane is at infinity, so

@@ -26,7 +26,7 @@ use indicatif::ProgressBar;
 use render::Job;
 use report::{ReportFormat, Topic};
 
-use crate::io::input::{self, LineArguments, LoadArguments, crease_angle};
+use crate::io::input::{self, LoadArguments, PictureArguments, crease_angle};
 use crate::io::output::Output;
 use crate::io::say;
 use crate::view::{self, ViewArguments};
@@ -111,7 +111,7 @@ struct RenderArguments {
     wireframe: Option<bool>,
 
     #[command(flatten)]
-    lines: LineArguments,
+    picture: PictureArguments,
 
     /// Show the control points as blue squares; "--control-points=false" hides them.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]

@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::{Gl, Program, ShaderPart, Stage};
-use crate::scene::{Method, Normals, Shading};
+use crate::scene::{Light, Method, Normals, Shading};
 pub use crate::tessellation::PatchKind;
 use recipes::{Facts, recipe};
 
@@ -112,6 +112,8 @@ pub mod location {
     pub const ISOLINES: u32 = 42;
     /// `isolineColor`.
     pub const ISOLINE_COLOR: u32 = 43;
+    /// `eye`.
+    pub const EYE: u32 = 44;
 }
 
 /// Binding point of the storage buffer `trimPointsSsbo`, as in listing 13.
@@ -306,6 +308,8 @@ pub struct ProgramKey {
     pub pipeline: Pipeline,
     /// The shading model.
     pub shading: Shading,
+    /// The light, with [`Shading::Phong`].
+    pub light: Light,
     /// The kinds of trims.
     pub trims: TrimFeatures,
     /// What drawing produces.
@@ -340,13 +344,15 @@ macro_rules! glsl {
 }
 
 /// Every shader file of `glsl/`: its path there and its text.
-const FILES: [(&str, &str); 28] = glsl![
+const FILES: [(&str, &str); 30] = glsl![
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
     "common/normal.frag",
     "common/phong.glsl",
+    "common/srgb.glsl",
     "common/static.vert",
+    "common/studio.glsl",
     "common/trim.glsl",
     "exact/patch.glsl",
     "exact/points.glsl",
@@ -425,7 +431,8 @@ impl Sources {
         let mut defines = vec![("SAMPLES", samples)];
         let mut facts = Facts {
             aovs: key.output == Output::Aovs,
-            phong: key.shading == Shading::Phong,
+            light: (key.shading == Shading::Phong && key.output != Output::Aovs)
+                .then_some(key.light),
             trimmed: key.trims.any(),
             pixel_normals: false,
             isolines: false,
@@ -470,7 +477,8 @@ impl Sources {
             ("GEOMETRY", key.output == Output::Aovs),
             ("CUT_OUT", key.cut_out && painting != Painting::Color),
             ("FAR_DEPTH", key.far_depth),
-            ("PHONG", key.shading == Shading::Phong),
+            ("PHONG", facts.light == Some(Light::Thesis)),
+            ("STUDIO", facts.light == Some(Light::Studio)),
             ("NORMALS", key.shading == Shading::Normals),
         ]);
         on.extend(key.trims.defines());

@@ -197,7 +197,7 @@ struct SurfaceView<'a> {
     surface: &'a Surface,
     to_view: DMat4,
     projection: &'a ViewProjection,
-    lights: [DVec3; 2],
+    lamps: shading::Lamps,
     trims: TrimDecision<'a>,
     sampler: Sampler<'a>,
     method: Method,
@@ -229,7 +229,7 @@ impl<'a> SurfaceView<'a> {
             surface,
             to_view: projection.view * surface.transform,
             projection,
-            lights: shading::lights(settings.light, &projection.view),
+            lamps: shading::Lamps::new(settings.light, projection),
             trims: TrimDecision::new(&surface.trims, settings.newton, method)?,
             sampler: Sampler::new(&surface.paint),
             method,
@@ -282,8 +282,11 @@ impl<'a> SurfaceView<'a> {
         let steps = fragment.uv_per_px.map(|step| step / (high - low));
         let paint = self.sampler.sample(place, steps);
         let (position, normal) = (vertex.position(), vertex.normal());
-        let (shading, lights) = (self.surface.shading, self.lights);
-        (shading::color(shading, paint.truncate(), position, normal, lights), paint.w)
+        let (shading, lamps) = (self.surface.shading, self.lamps);
+        (
+            shading::color(shading, paint.truncate(), position, normal, sample.upright, lamps),
+            paint.w,
+        )
     }
 }
 

@@ -195,6 +195,7 @@ impl Renderer {
         let program = self.program(ProgramKey {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
+            light: frame.settings.light,
             trims: TrimFeatures::NONE,
             output: Output::Picture,
             cut_out: false,

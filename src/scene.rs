@@ -208,7 +208,8 @@ impl Scene {
         surface.paint = Paint::Texture(Arc::new(texture::brick()));
         let hole = Circle::new(dvec2(0.5, 0.5), 0.2).expect("a fixed circle");
         surface.trims.circles.push(hole);
-        Self { surfaces: vec![surface], ..Self::default() }
+        let settings = RenderSettings { light: Light::Thesis, ..RenderSettings::default() };
+        Self { surfaces: vec![surface], settings, ..Self::default() }
     }
 
     /// The surfaces and the mesh of a file, without smoothing; the mesh's normals are interpolated.
@@ -235,11 +236,7 @@ impl Scene {
 
     /// An empty scene for a file.
     fn empty(path: &Path) -> Self {
-        Self {
-            files: vec![path.to_owned()],
-            settings: RenderSettings { light: Light::Camera, ..RenderSettings::default() },
-            ..Self::default()
-        }
+        Self { files: vec![path.to_owned()], ..Self::default() }
     }
 
     /// The matrices of the scene's camera, or of the one that frames it, for a picture of `width` × `height` pixels.

@@ -41,7 +41,7 @@ use std::path::PathBuf;
 use crate::io::Result;
 use clap::Args;
 
-use crate::io::input::{LineArguments, LoadArguments};
+use crate::io::input::{LoadArguments, PictureArguments};
 use crate::io::say;
 
 /// The arguments of `freeform view`.
@@ -56,7 +56,7 @@ pub(crate) struct ViewArguments {
     load: LoadArguments,
 
     #[command(flatten)]
-    lines: LineArguments,
+    picture: PictureArguments,
 
     /// Read and show the scene again whenever its file or a file that it names changes; the camera stays.
     #[arg(long)]

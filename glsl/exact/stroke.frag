@@ -106,7 +106,9 @@ void main()
 #else
     vec3 paint = floor(start.w / vec3(65536.0, 256.0, 1.0));
     paint = (paint - 256.0 * floor(paint / 256.0)) / 255.0;
-#if defined(PHONG)
+#if defined(STUDIO)
+    fragmentColor = vec4(lit(linearOf(paint), from + depth * direction, -normal, vec3(0.0)), 1.0);
+#elif defined(PHONG)
     fragmentColor = vec4(lit(paint, from + depth * direction, -normal), 1.0); // Sv × Su, as in the thesis
 #elif defined(NORMALS)
     fragmentColor = vec4(0.5 - 0.5 * normal, 1.0);

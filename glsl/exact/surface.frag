@@ -10,8 +10,8 @@ layout(location = 6) in vec3 passColor; // interpolated from the vertices of a m
 
 #if defined(OVER_DOMAIN)
 layout(location = 8) in vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
-#elif !defined(TEXTURED) && defined(SHARED)
-layout(location = 8) flat in vec3 passPaint; // the surface's colour
+#elif !defined(TEXTURED) && (defined(SHARED) || defined(STUDIO))
+layout(location = 8) flat in vec3 passPaint; // the surface's colour; linear with STUDIO
 #elif !defined(TEXTURED)
 layout(location = 36) uniform vec3 passPaint; // the surface's colour
 #endif
@@ -30,6 +30,9 @@ layout(location = 32) uniform float depthScale;
 
 void main()
 {
+#ifdef STUDIO
+    vec3 upright = uprightAt(position.xyz);
+#endif
 #ifdef TEXTURED
 #ifdef OVER_DOMAIN
     vec2 place = passPictureCoord;
@@ -50,6 +53,9 @@ void main()
 #ifdef COLORED
     diffuseColor *= passColor;
 #endif
+#if defined(STUDIO) && defined(TEXTURED)
+    diffuseColor = linearOf(diffuseColor);
+#endif
 #if defined(TRIMMED) && SAMPLES > 1
     int kept = 0;
     for (int i = 0; i < SAMPLES; ++i)
@@ -62,7 +68,9 @@ void main()
     if (cut(passTessCoord))
         discard;
 #endif
-#if defined(PHONG)
+#if defined(STUDIO)
+    fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord), upright), 1.0);
+#elif defined(PHONG)
     fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord)), 1.0);
 #elif defined(NORMALS)
     vec3 normal = normalAt(passTessCoord);

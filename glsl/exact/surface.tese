@@ -46,8 +46,11 @@ layout(location = 7) flat out uint passTrims;
 #endif
 #if defined(OVER_DOMAIN)
 layout(location = 8) out vec2 passPictureCoord; // (u, v) in the domain of the surface, from 0 to 1
-#elif !defined(TEXTURED) && defined(SHARED)
-layout(location = 8) flat out vec3 passPaint; // the surface's colour
+#elif !defined(TEXTURED) && (defined(SHARED) || defined(STUDIO))
+layout(location = 8) flat out vec3 passPaint; // the surface's colour; linear with STUDIO
+#ifndef SHARED
+layout(location = 36) uniform vec3 paint;
+#endif
 #endif
 
 // The parameters t and 1 - t of a vertex along one direction. `across` is its coordinate in the
@@ -128,6 +131,11 @@ void main()
 #if defined(OVER_DOMAIN)
     vec4 domain = texelFetch(domains, int(placeOfPatch.y));
     passPictureCoord = domain.xy + t * domain.zw;
+#elif !defined(TEXTURED) && defined(STUDIO)
+#ifdef SHARED
+    vec3 paint = ofSurface(11).rgb;
+#endif
+    passPaint = linearOf(paint); // here, because it would cost a tenth of a frame at each pixel
 #elif !defined(TEXTURED) && defined(SHARED)
     passPaint = ofSurface(11).rgb;
 #endif

@@ -17,6 +17,9 @@ layout(location = 32) uniform float depthScale;
 
 void main()
 {
+#ifdef STUDIO
+    vec3 upright = uprightAt(position.xyz);
+#endif
     // Sampled before any fragment is discarded: the mipmap level is computed from neighbouring
     // pixels.
     vec4 texel = texture(colortexture, passUVCoord);
@@ -29,7 +32,9 @@ void main()
     if (cut(passTessCoord))
         discard;
 #endif
-#if defined(PHONG)
+#if defined(STUDIO)
+    fragmentColor = vec4(lit(linearOf(diffuseColor), position.xyz, passNormal, upright), 1.0);
+#elif defined(PHONG)
     fragmentColor = vec4(lit(diffuseColor, position.xyz, passNormal), 1.0);
 #elif defined(NORMALS)
     float size = length(passNormal);

@@ -8,8 +8,8 @@ use std::time::Duration;
 use super::{Error, Result};
 use clap::Args;
 use freeform_surface::{
-    Cause, CreaseAngle, EdgeColor, Edges, IsolineCount, Isolines, LoadOptions, RenderSettings,
-    Scene, UpAxis,
+    Cause, CreaseAngle, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions,
+    RenderSettings, Scene, UpAxis,
 };
 
 /// The name of standard input on the command line.
@@ -35,9 +35,9 @@ pub(crate) struct LoadArguments {
     import_timeout: u64,
 }
 
-/// Options for lines on surfaces; they override the scenes' own settings.
+/// Lines on surfaces and their light; these override the scenes' own settings.
 #[derive(Debug, Clone, Copy, Args)]
-pub(crate) struct LineArguments {
+pub(crate) struct PictureArguments {
     /// Draw the edges of CAD models as lines, as the scene says or else nearly black; "--edges=false" if the scene asks
     /// for them.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]
@@ -52,12 +52,17 @@ pub(crate) struct LineArguments {
     /// to 1000, as the scene says or else narrow and dark; 0 if the scene asks for them.
     #[arg(long, value_name = "N", value_parser = isolines, allow_negative_numbers = true)]
     isolines: Option<Count>,
+
+    /// The light, instead of the scene's: studio (lamps that move with the camera; nothing is black or clipped) or
+    /// thesis (the thesis' two lamps, above and below the origin).
+    #[arg(long, value_name = "LIGHT", value_parser = light)]
+    light: Option<Light>,
 }
 
 /// The number of isolines; `None`: none.
 type Count = Option<IsolineCount>;
 
-impl LineArguments {
+impl PictureArguments {
     /// Changes the settings of a scene.
     pub(crate) fn apply(self, settings: &mut RenderSettings) {
         if let Some(shown) = self.edges {
@@ -70,11 +75,16 @@ impl LineArguments {
             let own = settings.isolines.unwrap_or_default();
             settings.isolines = count.map(|count| Isolines { count, ..own });
         }
+        settings.light = self.light.unwrap_or(settings.light);
     }
 }
 
 fn edge_color(text: &str) -> Result<EdgeColor, String> {
     text.parse().map_err(|_| "expected continuity".into())
+}
+
+fn light(text: &str) -> Result<Light, String> {
+    text.parse().map_err(|_| "expected studio or thesis".into())
 }
 
 fn isolines(text: &str) -> Result<Count, String> {

@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use crate::gpu::StageKind::{self, Fragment, Geometry, TessControl, TessEvaluation, Vertex};
-use crate::scene::Method;
+use crate::scene::{Light, Method};
 
 /// A file of a stage.
 pub(super) struct Ingredient {
@@ -19,8 +19,10 @@ enum When {
     Picture,
     /// The output is AOVs.
     Aovs,
-    /// The output is not AOVs, and the shading is Phong's.
-    Lit,
+    /// The output is not AOVs, and the thesis' lamps are lit.
+    LitAsThesis,
+    /// The output is not AOVs, and the studio's lamps are lit.
+    LitInStudio,
     /// There are trims.
     Trimmed,
     /// The fragment stage evaluates patches: normals are evaluated per pixel, or there are isolines.
@@ -35,19 +37,21 @@ enum When {
 /// Properties of a program that determine its files.
 pub(super) struct Facts {
     pub(super) aovs: bool,
-    pub(super) phong: bool,
+    /// `None`: unlit, or AOVs.
+    pub(super) light: Option<Light>,
     pub(super) trimmed: bool,
     pub(super) pixel_normals: bool,
     pub(super) isolines: bool,
 }
 
 impl Ingredient {
-    pub(super) const fn is_part(&self, facts: &Facts) -> bool {
+    pub(super) fn is_part(&self, facts: &Facts) -> bool {
         match self.when {
             When::Always => true,
             When::Picture => !facts.aovs,
             When::Aovs => facts.aovs,
-            When::Lit => facts.phong && !facts.aovs,
+            When::LitAsThesis => facts.light == Some(Light::Thesis),
+            When::LitInStudio => facts.light == Some(Light::Studio),
             When::Trimmed => facts.trimmed,
             When::Evaluated => facts.pixel_normals || facts.isolines,
             When::Isolines => facts.isolines,
@@ -81,7 +85,9 @@ const THESIS: &[Ingredient] = recipe! {
     TessControl "thesis/surface.tesc" Always;
     TessEvaluation "thesis/surface.tese" Always;
     Geometry "common/aov.geom" Aovs;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "thesis/surface.frag" Picture;
@@ -102,13 +108,16 @@ const EXACT: &[Ingredient] = recipe! {
     TessEvaluation "common/levels.glsl" Always;
     TessEvaluation "exact/points.glsl" Always;
     TessEvaluation "exact/patch.glsl" Always;
+    TessEvaluation "common/srgb.glsl" LitInStudio;
     TessEvaluation "exact/surface.tese" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "exact/points.glsl" Evaluated;
     Fragment "exact/patch.glsl" Evaluated;
     Fragment "common/normal.frag" Normal;
     Fragment "exact/isolines.glsl" Isolines;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "common/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -121,7 +130,9 @@ const TRIANGLES: &[Ingredient] = recipe! {
     TessEvaluation "triangles/triangle.tese" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "common/normal.frag" Picture;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
 };
@@ -130,7 +141,9 @@ const STATIC_EXACT: &[Ingredient] = recipe! {
     Vertex "common/static.vert" Always;
     Geometry "common/aov.geom" Aovs;
     Fragment "common/normal.frag" Picture;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -139,7 +152,9 @@ const STATIC_EXACT: &[Ingredient] = recipe! {
 const STATIC_THESIS: &[Ingredient] = recipe! {
     Vertex "common/static.vert" Always;
     Geometry "common/aov.geom" Aovs;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "thesis/surface.frag" Picture;
@@ -147,7 +162,9 @@ const STATIC_THESIS: &[Ingredient] = recipe! {
 
 const STROKES: &[Ingredient] = recipe! {
     Vertex "exact/stroke.vert" Always;
-    Fragment "common/phong.glsl" Lit;
+    Fragment "common/phong.glsl" LitAsThesis;
+    Fragment "common/srgb.glsl" LitInStudio;
+    Fragment "common/studio.glsl" LitInStudio;
     Fragment "exact/stroke.frag" Always;
 };
 

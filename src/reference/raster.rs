@@ -56,6 +56,8 @@ pub(super) struct Sample {
     pub(super) uv_per_px: [DVec2; 2],
     /// Distance from the nearest edge of the triangle, in pixels.
     pub(super) edge_px: f64,
+    /// Upright on the triangle in view space, towards the eye, of any length; 0 on a line.
+    pub(super) upright: DVec3,
     /// Whether the triangle turns counter-clockwise on the screen.
     pub(super) front: bool,
 }
@@ -150,6 +152,9 @@ impl Raster {
             let sum: f64 = over_w.iter().sum();
             (linear, over_w.map(|weight| weight / sum))
         };
+        let [to_second, to_third] = [1, 2].map(|i| corners[i].position - corners[0].position);
+        // The corners turn counter-clockwise on the screen now.
+        let upright = to_second.cross(to_third);
         let edge = |i: usize| places[(i + 1) % 3].distance(places[(i + 2) % 3]);
         let heights = [0, 1, 2].map(|i| whole.abs() / edge(i));
         for y in low.y as usize..high.y as usize {
@@ -171,6 +176,7 @@ impl Raster {
                         vertex,
                         uv_per_px,
                         edge_px: edges_px.into_iter().fold(f64::INFINITY, f64::min),
+                        upright,
                         front,
                     })
                 });
@@ -207,7 +213,13 @@ impl Raster {
                 let depth = (1.0 - t) * ends[0].depth() + t * ends[1].depth();
                 let uv_per_px = (ends[1].uv - ends[0].uv) / length.length();
                 self.put([place.x as usize, place.y as usize], depth, || {
-                    shade(&Sample { vertex, uv_per_px: [uv_per_px; 2], edge_px: 0.0, front: true })
+                    shade(&Sample {
+                        vertex,
+                        uv_per_px: [uv_per_px; 2],
+                        edge_px: 0.0,
+                        upright: DVec3::ZERO,
+                        front: true,
+                    })
                 });
             }
             center += 1.0;

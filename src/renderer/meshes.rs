@@ -365,6 +365,7 @@ impl Renderer {
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },
             shading,
+            light: frame.settings.light,
             trims: TrimFeatures::NONE,
             output,
             cut_out: is_picture && !in_lines && mesh.paints.iter().any(Painted::has_holes),

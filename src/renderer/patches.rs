@@ -53,6 +53,7 @@ impl Renderer {
                 isolines: isolines.is_some(),
             },
             shading: if in_lines { Shading::Unlit } else { batch.shading },
+            light: settings.light,
             trims: batch.trims,
             output,
             cut_out: output == Output::Picture

@@ -13,7 +13,7 @@ use crate::aov::Aovs;
 use crate::error::{Error, Result};
 use crate::gpu::{Attribute, Buffer, FloatTarget, Gl, Texture, Vertex, VertexArray};
 use crate::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
-use crate::scene::{Method, Shading};
+use crate::scene::{Light, Method, Shading};
 
 /// A vertex of a static triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -121,11 +121,12 @@ pub struct StaticStyle<'a> {
 impl StaticStyle<'_> {
     /// The key of the program that draws in this style.
     #[must_use]
-    pub const fn key(&self, output: Output, far_depth: bool) -> ProgramKey {
+    pub const fn key(&self, light: Light, output: Output, far_depth: bool) -> ProgramKey {
         let pipeline = Pipeline::Static(self.method);
         ProgramKey {
             pipeline,
             shading: self.shading,
+            light,
             trims: self.trims,
             output,
             far_depth,
@@ -172,7 +173,7 @@ impl Renderer {
         output: Output,
     ) -> Result<()> {
         let is_far = frame.camera.depth_scale().is_some();
-        let program = self.program(style.key(output, is_far))?;
+        let program = self.program(style.key(frame.settings.light, output, is_far))?;
         program.bind();
         set_depth(&program, frame);
         program.set_mat4(location::VIEW, &frame.camera.view.as_mat4());

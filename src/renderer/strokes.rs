@@ -375,6 +375,7 @@ impl Renderer {
             let program = self.program(ProgramKey {
                 pipeline: Pipeline::Strokes { samples, lines },
                 shading: *shading,
+                light: frame.settings.light,
                 trims: TrimFeatures::NONE,
                 output,
                 cut_out: false,

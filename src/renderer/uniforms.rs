@@ -1,17 +1,26 @@
 //! Sets uniforms that programs of several pipelines have.
 
-use glam::{DMat4, Mat4, Vec4};
+use glam::{DMat4, DVec3, Mat4, Vec4};
 
 use super::Frame;
 use crate::camera::ViewProjection;
 use crate::gpu::Program;
 use crate::programs::location;
+use crate::scene::Light;
 
-/// Sets the positions of the lights, in view space.
+/// The height of the thesis' lamps above and below the world's origin.
+const LAMP_HEIGHT: f64 = 10.0;
+
+/// Sets what lighting needs: the positions of the thesis' lamps in view space, or the eye for the studio's.
 pub(crate) fn set_lights(program: &Program, frame: &Frame) {
-    let [first, second] = frame.settings.light.positions(&frame.camera);
-    program.set_vec3(location::LIGHT_POSITION, first.as_vec3());
-    program.set_vec3(location::LIGHT_POSITION_2, second.as_vec3());
+    match frame.settings.light {
+        Light::Thesis => {
+            let lamp = |height| frame.camera.view.transform_point3(DVec3::Y * height).as_vec3();
+            program.set_vec3(location::LIGHT_POSITION, lamp(LAMP_HEIGHT));
+            program.set_vec3(location::LIGHT_POSITION_2, lamp(-LAMP_HEIGHT));
+        }
+        Light::Studio => program.set_vec4(location::EYE, frame.camera.eye_in_view().as_vec4()),
+    }
 }
 
 /// Sets the factor from the distance along the view axis to depth, if the fragment stage writes

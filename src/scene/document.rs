@@ -19,7 +19,7 @@ use super::tables::{
     SmoothingName, SurfaceTable,
 };
 use super::{
-    Cull, Image, Light, LoadOptions, MeshModel, Method, Paint, Scene, Surface, TessLevel, UpAxis,
+    Cull, Image, LoadOptions, MeshModel, Method, Paint, Scene, Surface, TessLevel, UpAxis,
     Viewpoint, bpt, default_control_points, load_texture, obj,
 };
 use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
@@ -78,10 +78,7 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
         builder.chunk = 0;
         return Err(builder.at(0, nothing));
     }
-    let Stage { mut settings, up, light } = stage.unwrap_or_default();
-    // Without a camera, a scene has no viewpoint of its own, so the lights move with the eye.
-    let framed = if camera.is_some() { Light::World } else { Light::Camera };
-    settings.light = light.unwrap_or(framed);
+    let Stage { settings, up } = stage.unwrap_or_default();
     // A scene of nothing but `.bpt` files and CAD models is oriented as these files are on their own.
     let of_files = meshes.is_empty() && surfaces.len() == builder.from_files;
     let of_models = meshes.is_empty() && surfaces.iter().all(|surface| surface.face.is_some());

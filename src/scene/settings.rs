@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 
-use crate::camera::ViewProjection;
 use crate::error::{Error, Result};
 use crate::thesis::newton::Newton;
 
@@ -22,7 +21,7 @@ pub struct RenderSettings {
     pub tessellation: Tessellation,
     /// Where the exact method evaluates normals.
     pub normals: Normals,
-    /// Where the lights stand.
+    /// The light on surfaces and meshes.
     pub light: Light,
     /// Lines instead of filled triangles.
     pub wireframe: bool,
@@ -340,34 +339,29 @@ impl Default for LineWidth {
     }
 }
 
-/// The positions of the two lights, on opposite sides of the scene, so that both sides of a surface are lit.
+/// The light that surfaces and meshes with [`Shading::Phong`](super::Shading::Phong) are in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Light {
-    /// The thesis' lamps: 10 units above and below the world's origin, at y = 10 and y = −10.
+    /// Three lamps that move with the camera and a hemisphere, the same for any model, size and camera. Both sides of a
+    /// surface are lit alike, no face is black, and nothing is clipped. Colours and textures are sRGB, the light is
+    /// added up in linear values, and the picture is sRGB.
     #[default]
-    World,
-    /// The lights move with the camera: one is to the left of the eye and above it, the other one is opposite, and
-    /// both are far away. So a model is lit in the same way at any size and place.
-    Camera,
+    Studio,
+    /// The thesis' two lamps, 10 units above and below the world's origin, at y = 10 and y = −10, and Phong's model.
+    /// Colours are added up as they are, without regard to sRGB, and clipped at 1.
+    Thesis,
 }
 
 impl Light {
-    /// The height of the thesis' lamps.
-    const HEIGHT: f64 = 10.0;
-    /// The direction towards the light to the left and above, in view space; a unit vector.
-    const ABOVE: DVec3 = DVec3::new(-0.45, 0.6, 0.661_437_827_766_147_8);
-    /// The distance of those lights, as a multiple of the distance of the farthest object.
-    const FAR: f64 = 1000.0;
+    /// All lights.
+    pub const ALL: [Self; 2] = [Self::Studio, Self::Thesis];
 
-    /// The positions of both lights in view space.
-    pub(crate) fn positions(self, projection: &ViewProjection) -> [DVec3; 2] {
+    /// The name in scenes.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
         match self {
-            Self::World => [Self::HEIGHT, -Self::HEIGHT]
-                .map(|height| projection.view.transform_point3(DVec3::Y * height)),
-            Self::Camera => {
-                let place = Self::ABOVE * (Self::FAR * projection.reach());
-                [place, -place]
-            }
+            Self::Studio => "studio",
+            Self::Thesis => "thesis",
         }
     }
 }
@@ -376,11 +370,9 @@ impl std::str::FromStr for Light {
     type Err = Error;
 
     fn from_str(name: &str) -> Result<Self> {
-        match name {
-            "world" => Ok(Self::World),
-            "camera" => Ok(Self::Camera),
-            _ => Err(Error::invalid("light", format!("\"{name}\""), "\"camera\" or \"world\"")),
-        }
+        let expected = "\"studio\" or \"thesis\"";
+        (Self::ALL.into_iter().find(|light| light.name() == name))
+            .ok_or_else(|| Error::invalid("light", format!("\"{name}\""), expected))
     }
 }
 

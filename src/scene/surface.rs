@@ -14,7 +14,7 @@ use crate::trim::{ParameterSizes, Trims};
 /// How a surface is lit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Shading {
-    /// The thesis' Phong model with its two lights.
+    /// Lit, by the light of the settings ([`Light`](super::Light)).
     #[default]
     Phong,
     /// The picture or colour alone, as in the report.

@@ -14,7 +14,7 @@ use image::ImageFormat;
 use super::document::{MAX_PATCH_POINTS, check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
-    CadModel, Cull, EdgeColor, Edges, Image, Isolines, Light, MeshModel, Method, Normals, Paint,
+    CadModel, Cull, EdgeColor, Edges, Image, Isolines, MeshModel, Method, Normals, Paint,
     RenderSettings, Scene, Shading, Surface, Tessellation, bpt, default_control_points,
     load_texture, obj, svg,
 };
@@ -132,11 +132,7 @@ impl Writer<'_> {
             Method::Exact => "exact",
         };
         self.line("method", format_args!("\"{method}\""));
-        let light = match light {
-            Light::World => "world",
-            Light::Camera => "camera",
-        };
-        self.line("light", format_args!("\"{light}\""));
+        self.line("light", format_args!("\"{}\"", light.name()));
         self.line("samples", samples.get());
         match tessellation {
             Tessellation::Level(level) => self.line("level", level.get()),

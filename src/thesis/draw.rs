@@ -71,6 +71,7 @@ impl Renderer {
             // The report's shaders do not pass on the position, which AOVs need.
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading,
+            light: frame.settings.light,
             trims: trims.features(&surface.surface().trims),
             output,
             cut_out: output == Output::Picture && texture.has_holes(),

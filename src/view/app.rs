@@ -22,7 +22,7 @@ use super::screen::Screen;
 use super::state::{Message, Request, State};
 use super::watch::Watch;
 use super::{ViewArguments, files, input, panel};
-use crate::io::input::{LineArguments, LoadArguments};
+use crate::io::input::{LoadArguments, PictureArguments};
 use crate::io::output::{Output, replace};
 
 /// A file and a hash of its contents.
@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
             }
         }
     };
-    arguments.lines.apply(&mut scene.settings);
+    arguments.picture.apply(&mut scene.settings);
     let no_display = |error: winit::error::EventLoopError| {
         // The text before the last colon names a line of winit's source.
         let error = error.to_string();
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
         proxy: arguments.watch.then(|| events.create_proxy()),
         watch: None,
         load: arguments.load,
-        lines: arguments.lines,
+        picture: arguments.picture,
         read: Vec::new(),
         loading,
         poll_at: Some(Instant::now()),
@@ -151,7 +151,7 @@ struct App {
     watch: Option<Watch>,
     /// Options for reading scenes.
     load: LoadArguments,
-    lines: LineArguments,
+    picture: PictureArguments,
     /// The contents of the scene's files when they were last read.
     read: Vec<Contents>,
     /// The scene that is being read.
@@ -370,7 +370,7 @@ impl App {
         };
         let Some((loading, then)) = self.loading.take() else { return };
         let result = result.map(|mut scene| {
-            self.lines.apply(&mut scene.settings);
+            self.picture.apply(&mut scene.settings);
             scene
         });
         self.state.progress = None;

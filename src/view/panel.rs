@@ -3,8 +3,8 @@
 use egui::{Align2, Color32, Context, RichText, Stroke, Ui};
 use freeform_surface::model::Continuity;
 use freeform_surface::{
-    EdgeColor, Edges, FrameStats, IsolineCount, LineWidth, Method, Newton, Paint, Scene, TessLevel,
-    Tessellation, Tolerance, Trims,
+    EdgeColor, Edges, FrameStats, IsolineCount, Light, LineWidth, Method, Newton, Paint, Scene,
+    TessLevel, Tessellation, Tolerance, Trims,
 };
 use glam::{DVec2, DVec3};
 
@@ -198,6 +198,12 @@ fn fineness(ui: &mut Ui, state: &mut State) {
 
 fn style(ui: &mut Ui, state: &mut State) {
     let mut settings = state.scene().settings;
+    ui.horizontal(|ui| {
+        ui.label("light");
+        for light in Light::ALL {
+            ui.selectable_value(&mut settings.light, light, light.name());
+        }
+    });
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.wireframe, "wireframe");
         ui.add_enabled_ui(settings.wireframe, |ui| ui.checkbox(&mut settings.red_lines, "red"));

@@ -4,7 +4,7 @@
 use freeform_surface::inspect::measure::Random;
 use freeform_surface::inspect::programs::Sources;
 use freeform_surface::{
-    Alpha, Camera, CreaseAngle, Frame, Image, Lens, Mesh, Paint, Scene, Shading, Smoothing,
+    Alpha, Camera, CreaseAngle, Frame, Image, Lens, Light, Mesh, Paint, Scene, Shading, Smoothing,
     TessLevel,
 };
 use glam::{DMat3, DMat4, DVec3, DVec4, EulerRot, dvec3, uvec2};
@@ -234,12 +234,13 @@ fn texture_coordinates_are_interpolated_linearly() {
 
 #[test]
 fn light_falls_on_the_outside_whatever_the_transform() {
-    // From above, under the upper light: a ball is brightest at the top, and a mirrored one is the same.
+    // From above, under the thesis' upper lamp: a ball is brightest at the top, and a mirrored one is the same.
     let mut stage = Stage::new(uvec2(100, 100));
     let mut pictures = Vec::new();
     for x in [1.0, -1.0] {
         let mut scene = scene_of_mesh(mesh("icosahedron"), Smoothing::Pn);
         scene.meshes[0].transform = DMat4::from_scale(dvec3(x, 1.0, 1.0));
+        scene.settings.light = Light::Thesis;
         let lens = Lens::Orthographic { height: 2.2 };
         scene.camera = Some(Camera::new(DVec3::Y * 5.0, DVec3::ZERO, DVec3::Z, lens).unwrap());
         let mut prepared = stage.prepared(&scene);

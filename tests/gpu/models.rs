@@ -21,7 +21,7 @@ fn path_of(name: &str) -> PathBuf {
 }
 
 /// The folder of CAD files. `None`, which is said, without it or without the reader of such files.
-fn cad_files() -> Option<PathBuf> {
+pub(super) fn cad_files() -> Option<PathBuf> {
     let reader = root().join("cad/build/freeform-occt");
     let mut folders = ["shared/data/cad", "../shared/data/cad"].into_iter();
     let found = folders.find_map(|name| Some(root().join(name)).filter(|folder| folder.is_dir()));

@@ -2,8 +2,8 @@
 
 use freeform_surface::inspect::reference::coverage;
 use freeform_surface::{
-    Degree, Frame, Image, LoadOptions, Method, NurbsSurface, Paint, Rect, Scene, Shading, Surface,
-    Trims,
+    Degree, Frame, Image, Light, LoadOptions, Method, NurbsSurface, Paint, Rect, RenderSettings,
+    Scene, Shading, Surface, Trims,
 };
 use glam::{DVec2, DVec3, DVec4, UVec2, uvec2};
 
@@ -280,7 +280,9 @@ fn the_uv_aov_is_in_the_parameters_of_the_surface() {
 fn a_moved_control_point_changes_the_surface_as_a_new_one() {
     let mut stage = Stage::new(uvec2(320, 200));
     let mut scene = load(&path("periodic-torus"));
-    scene.settings = within(0.5);
+    // A new surface has another centre, and so other last bits of its points. Under the thesis' lamps they change no
+    // colour; in the studio, a channel of one pixel by 1.
+    scene.settings = RenderSettings { light: Light::Thesis, ..within(0.5) };
     // Only a new surface would be joined where a moved point opens it in part.
     scene.surfaces[0].join = false;
     let mut prepared = stage.prepared(&scene);

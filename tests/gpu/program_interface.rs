@@ -7,7 +7,7 @@ use freeform_surface::inspect::programs::{
     SUB_PATCHES_UNIT, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING,
     TRIM_WORDS_UNIT, TrimFeatures, location,
 };
-use freeform_surface::{Degree, Error, Headless, Normals, Shading};
+use freeform_surface::{Degree, Error, Headless, Light, Normals, Shading};
 use glow::HasContext as _;
 
 use crate::harness::{Checked, backends};
@@ -55,6 +55,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
             let key = ProgramKey {
                 pipeline: Pipeline::Thesis(degree),
                 shading: Shading::Phong,
+                light: Light::Thesis,
                 trims: TrimFeatures::ALL,
                 output: Output::Picture,
                 far_depth: false,
@@ -102,6 +103,7 @@ fn the_report_program_has_the_names_of_the_report() {
         let key = ProgramKey {
             pipeline: Pipeline::Report,
             shading: Shading::Unlit,
+            light: Light::Thesis,
             trims: TrimFeatures::default(),
             output: Output::Picture,
             far_depth: false,
@@ -130,6 +132,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
         let key = ProgramKey {
             pipeline: Pipeline::Thesis(Degree::CUBIC),
             shading: Shading::Phong,
+            light: Light::Thesis,
             trims,
             output: Output::Picture,
             far_depth: false,
@@ -172,6 +175,7 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
             let key = ProgramKey {
                 pipeline,
                 shading,
+                light: Light::Thesis,
                 trims,
                 output: Output::Picture,
                 far_depth: false,
@@ -232,10 +236,18 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             let degree = Some(degree).filter(|_| !has(5));
             let shared = has(4);
             let isolines = has(2);
+            let light = if has(3) { Light::Studio } else { Light::Thesis };
             let pipeline =
                 Pipeline::Exact { degree, samples, patches, shared, painting, normals, isolines };
-            let key =
-                ProgramKey { pipeline, shading, trims, output, far_depth: has(1), cut_out: has(2) };
+            let key = ProgramKey {
+                pipeline,
+                shading,
+                light,
+                trims,
+                output,
+                far_depth: has(1),
+                cut_out: has(2),
+            };
             let program = Sources::default()
                 .link(context.gl(), key)
                 .unwrap_or_else(|error| panic!("{key:?}: {error}"));
@@ -251,6 +263,11 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             let is_shown = output == Output::Picture;
             let picture = has(4) && is_shown && (shading != Shading::Normals || has(2));
             assert_eq!(unit("colortexture"), picture.then_some(0), "{key:?}");
+            let is_lit = is_shown && shading == Shading::Phong;
+            let eye = (is_lit && light == Light::Studio).then_some(location::EYE);
+            assert_eq!(program.uniform_location("eye"), eye, "{key:?}");
+            let lamp = (is_lit && light == Light::Thesis).then_some(location::LIGHT_POSITION);
+            assert_eq!(program.uniform_location("lightPosition"), lamp, "{key:?}");
             let lines = isolines && is_shown;
             assert_eq!(
                 program.uniform_location("isolines"),
@@ -271,6 +288,7 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
     let key = ProgramKey {
         pipeline: Pipeline::Thesis(Degree::CUBIC),
         shading: Shading::Phong,
+        light: Light::Thesis,
         trims: TrimFeatures::ALL,
         output: Output::Picture,
         far_depth: false,

@@ -4,6 +4,7 @@
 mod harness;
 
 mod commands;
+mod light;
 mod measure;
 mod models;
 mod report;

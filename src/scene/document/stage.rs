@@ -6,7 +6,7 @@ use crate::scene::tables::{
     EdgeColorValue, EdgesTable, EdgesValue, IsolinesTable, IsolinesValue, RenderTable,
 };
 use crate::scene::{
-    EdgeColor, Edges, IsolineCount, Isolines, Light, LineWidth, RenderSettings, Samples, TessLevel,
+    EdgeColor, Edges, IsolineCount, Isolines, LineWidth, RenderSettings, Samples, TessLevel,
     Tessellation, Tolerance, UpAxis,
 };
 use crate::thesis::newton::Newton;
@@ -16,7 +16,6 @@ use crate::thesis::newton::Newton;
 pub(super) struct Stage {
     pub(super) settings: RenderSettings,
     pub(super) up: Option<UpAxis>,
-    pub(super) light: Option<Light>,
 }
 
 pub(super) fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stage> {
@@ -31,6 +30,9 @@ pub(super) fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stag
     }
     if let Some(method) = table.method {
         settings.method = builder.check(method, |name| name.parse())?;
+    }
+    if let Some(light) = table.light {
+        settings.light = builder.check(light, |name| name.parse())?;
     }
     if let Some(samples) = table.samples {
         settings.samples = builder.check(samples, Samples::new)?;
@@ -65,8 +67,7 @@ pub(super) fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stag
         })?;
     }
     let up = table.up.map(|up| builder.check(up, |name| name.parse())).transpose()?;
-    let light = table.light.map(|light| builder.check(light, |name| name.parse())).transpose()?;
-    Ok(Stage { settings, up, light })
+    Ok(Stage { settings, up })
 }
 
 fn edges_of(value: EdgesValue) -> Result<Option<Edges>> {
