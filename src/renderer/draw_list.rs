@@ -21,8 +21,8 @@ use crate::gpu::{Buffer, TexelBuffer};
 use crate::programs::{Output, Painting, TrimFeatures};
 use crate::scene::{Cull, Isolines, RenderSettings, Shading, Tessellation};
 use crate::tessellation::{
-    EdgeSource, EdgeTable, FrameStats, LEFT_TO_FACES, Lists, PatchKind, Plan, Rounding, Screen,
-    SubPatch, SurfacePatches, TrimmedList,
+    EdgeSource, EdgeTable, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
+    SurfacePatches, TrimmedList, kept_for_strokes,
 };
 
 /// Spare bytes in a new buffer of sub-patches. A patch whose control points are dragged may need
@@ -277,7 +277,7 @@ impl DrawList {
     fn plan(&mut self, surfaces: &mut [PreparedSurface], key: &PlanKey) {
         let tolerance = match key.tessellation {
             Tessellation::Within(tolerance) if self.has_joints => {
-                LEFT_TO_FACES * tolerance.pixels()
+                tolerance.pixels() - kept_for_strokes(tolerance.pixels())
             }
             Tessellation::Within(tolerance) => tolerance.pixels(),
             Tessellation::Level(_) => 1.0,

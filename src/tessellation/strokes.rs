@@ -9,21 +9,30 @@
 //! place of the edge, both lie within the disc around it, and so does the line between them. What lies between the two
 //! borders are all these lines; the stroke contains all these discs.
 
+mod part;
+
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2, Vec3};
 
+use self::part::{End, Part, line};
 use super::Eye;
 use crate::camera::ViewProjection;
 use crate::model::{Beside, JointPiece, JointRange};
 use crate::scene::Image;
 
-/// The share of the tolerance that is left to the triangles of surfaces with joints.
-pub(crate) const LEFT_TO_FACES: f64 = 0.875;
-/// The share of the tolerance that a stroke's segments may be off its edge. With the faces' share and twice this one,
-/// the stroke ends within the tolerance.
-const OFF_EDGE: f64 = 0.0625;
 /// Half of the least width in pixels: the driver moves vertices by 1/256 px at most, in each direction.
 const LEAST: f64 = 1.0 / 64.0;
+/// The part of a tolerance in pixels that strokes need: what the triangles of surfaces with joints do not get.
+pub(crate) fn kept_for_strokes(tolerance: f64) -> f64 {
+    (0.125 * tolerance).max(1.5 * LEAST).min(0.5 * tolerance)
+}
+
+/// How far a stroke's segments may be off its edge, in pixels: the stroke, which is wider by as much, is to end within
+/// the tolerance.
+fn off_edge(tolerance: f64) -> f64 {
+    (0.5 * (kept_for_strokes(tolerance) - LEAST)).max(tolerance / 64.0)
+}
+
 /// How much farther than a face its part of a stroke is drawn, as a share of half of the width: the face itself is to
 /// be in front.
 const BEHIND: f32 = 0.25;
@@ -40,9 +49,6 @@ const CLEARLY: f64 = 0.1;
 const PICTURED: f64 = 4.0;
 /// How often a piece of an edge is divided at most.
 const MAX_DIVISIONS: u32 = 40;
-/// The largest value of |t (1 − t) (t − 1/2)| between 0 and 1: how far a cubic with a third difference of 1 is off the
-/// parabola through its ends and its middle.
-const CUBIC: f64 = 0.04812;
 /// The number of pixels that the segments of a line may be off its edge.
 const OFF_LINE: f64 = 1.0 / 32.0;
 
@@ -225,7 +231,8 @@ impl StrokeView {
             besides.map(|beside| (cofactors * beside.normal.as_dvec3()).normalize_or_zero())
         };
         let is_flat = joint.sides.iter().all(|side| side.is_flat);
-        let faces_error = if is_flat { 0.0 } else { LEFT_TO_FACES * self.tolerance };
+        let faces_error =
+            if is_flat { 0.0 } else { self.tolerance - kept_for_strokes(self.tolerance) };
         let [Some(first), Some(last)] = [joint.pieces.first(), joint.pieces.last()] else { return };
         let is_closed = first.points[0].distance(last.points[3]) <= CLOSED * joint.ranges[0].off;
         let part = |pieces: &[JointPiece], shift: DVec3, is_end: [bool; 2]| {
@@ -292,7 +299,7 @@ impl StrokeView {
         let px = self.px_per_unit(if is_in_front { nearest } else { self.near });
         let (off_edge, gap) = match joint.line {
             Some(_) => (OFF_LINE, 0.0),
-            None => (OFF_EDGE * self.tolerance, joint.gap),
+            None => (off_edge(self.tolerance), joint.gap),
         };
         let half_width = |error: f64| match joint.line {
             Some(line) => line.half_width,
@@ -465,11 +472,6 @@ impl StrokeView {
     }
 }
 
-/// The control points of a line as a cubic.
-fn line(start: DVec3, end: DVec3) -> [DVec3; 4] {
-    [start, start.lerp(end, 1.0 / 3.0), start.lerp(end, 2.0 / 3.0), end]
-}
-
 /// A colour as one number.
 fn packed([red, green, blue]: [u8; 3]) -> f32 {
     (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue)
@@ -484,114 +486,4 @@ enum Look {
     /// It is bent, or near the eye. Parts of it that are off their segments by at most this, in space, count as straight;
     /// 0 if that is not known.
     Other(f64),
-}
-
-/// An end of a part of an edge.
-#[derive(Debug, Clone, Copy)]
-struct End {
-    /// Of both faces, in view space.
-    normals: [DVec3; 2],
-    /// (u, v) on both faces.
-    shares: [DVec2; 2],
-}
-
-impl End {
-    fn between(self, other: Self, share: f64) -> Self {
-        let both = [0, 1];
-        Self {
-            normals: both.map(|face| {
-                self.normals[face].lerp(other.normals[face], share).normalize_or_zero()
-            }),
-            shares: both.map(|face| self.shares[face].lerp(other.shares[face], share)),
-        }
-    }
-}
-
-/// A part of an edge in view space.
-#[derive(Debug, Clone, Copy)]
-struct Part {
-    /// The control points of a cubic.
-    points: [DVec3; 4],
-    ends: [End; 2],
-    /// Whether it begins and ends where the whole edge does.
-    is_end: [bool; 2],
-}
-
-impl Part {
-    /// Upper bound of the distance of the cubic from its segment ([`Part::straight`]), at equal parameters.
-    fn bend(&self) -> f64 {
-        let [middle, third] = self.off_line();
-        0.5 * middle.length() + CUBIC * third.length()
-    }
-
-    /// How far the middle of the cubic is off the line between its ends, and the third difference.
-    fn off_line(&self) -> [DVec3; 2] {
-        let [a, b, c, d] = self.points;
-        [0.375 * (b + c - a - d), d - 3.0 * c + 3.0 * b - a]
-    }
-
-    /// The least number of equal parts, or 2, that are off their segments by at most `limit`.
-    fn count_within(&self, limit: f64) -> u32 {
-        /// More parts might be out of the picture.
-        const MOST: u32 = 16;
-        let [a, b, c, d] = self.points;
-        let second = |a: DVec3, b: DVec3, c: DVec3| (a - 2.0 * b + c).length_squared();
-        // Half of an eighth of the largest second derivative, which is 6 times the largest second difference.
-        let second = 0.375 * second(a, b, c).max(second(b, c, d)).sqrt();
-        let third = CUBIC * self.off_line()[1].length();
-        let is_within = |count: &u32| {
-            let share = 1.0 / f64::from(*count);
-            (second + third * share) * share * share <= limit
-        };
-        (2..=MOST).find(is_within).unwrap_or(2)
-    }
-
-    /// The straight part that stands for the cubic: the line between its ends, moved by half of the way to its middle.
-    fn straight(&self) -> Self {
-        let shift = 0.5 * self.off_line()[0];
-        let [start, .., end] = self.points;
-        Self { points: line(start + shift, end + shift), ..*self }
-    }
-
-    /// The part between two parameters.
-    fn between(&self, from: f64, to: f64) -> Self {
-        let [a, b, c, d] = self.points;
-        // The blossom of the cubic.
-        let point = |r: f64, s: f64, t: f64| {
-            let (ab, bc, cd) = (a.lerp(b, r), b.lerp(c, r), c.lerp(d, r));
-            ab.lerp(bc, s).lerp(bc.lerp(cd, s), t)
-        };
-        let [start, end] = self.ends;
-        Self {
-            points: [
-                point(from, from, from),
-                point(from, from, to),
-                point(from, to, to),
-                point(to, to, to),
-            ],
-            ends: [from, to].map(|share| start.between(end, share)),
-            is_end: [self.is_end[0] && from == 0.0, self.is_end[1] && to == 1.0],
-        }
-    }
-
-    /// The straight part beyond a distance along the view axis.
-    fn beyond(&self, near: f64) -> Option<Self> {
-        // Points on the near plane itself have a place on the screen.
-        let [mut start, mut end] = [(self.points[0], self.ends[0]), (self.points[3], self.ends[1])];
-        let [a, b] = [start, end].map(|(point, _)| -point.z - near);
-        if a > 0.0 && b > 0.0 {
-            return Some(*self);
-        }
-        if a <= 0.0 && b <= 0.0 {
-            return None;
-        }
-        let share = a / (a - b);
-        let cut = (start.0.lerp(end.0, share), start.1.between(end.1, share));
-        if a < 0.0 {
-            start = cut;
-        } else if b < 0.0 {
-            end = cut;
-        }
-        Some(Self { points: line(start.0, end.0), ends: [start.1, end.1], is_end: self.is_end })
-    }
 }

@@ -171,10 +171,7 @@ pub(crate) const BINDINGS: &[Binding] = &[
         keys: &[(letter('w'), Action::Wireframe)],
         help: "wireframe: red lines, blue control points",
     },
-    Binding {
-        keys: &[(letter('d'), Action::Edges)],
-        help: "draw edges of CAD models: on, off",
-    },
+    Binding { keys: &[(letter('d'), Action::Edges)], help: "draw edges of CAD models: on, off" },
     Binding {
         keys: &[(letter('u'), Action::Isolines)],
         help: "isolines: lines of equal u and of equal v on, off",
