@@ -307,6 +307,23 @@ fn swept() -> Model {
 }
 
 #[test]
+fn faces_and_the_strokes_between_them_end_within_the_tolerance() {
+    let mut stage = Stage::new(uvec2(500, 300));
+    for name in OWN {
+        let scene = load(&path_of(name));
+        let mut prepared = stage.prepared(&scene);
+        for (tolerance, index) in [(2.0, 0), (0.5, 1), (0.5, 2), (0.25, 3), (0.1, 4)] {
+            let camera = Some(random_view(&scene, 7, index, stage.aspect()));
+            let shown = Scene { camera, settings: within(tolerance), ..scene.clone() };
+            let frame = stage.frame(&shown);
+            let measured = stage.measured(&shown, &mut prepared, &frame);
+            let error = measured.max_error_px;
+            assert!(error <= tolerance, "{name} {index}: {error} px, not {tolerance}");
+        }
+    }
+}
+
+#[test]
 fn size_and_place_make_no_difference() {
     let mut stage = Stage::new(uvec2(480, 300));
     let own = ["bracket", "blade", "assembly"].map(|name| {
