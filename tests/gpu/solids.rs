@@ -66,7 +66,7 @@ fn what_faces_away_is_left_out_and_not_missed() {
                 let outwards = sign * placed_normal(&scene, &expected, pixel);
                 assert!(
                     outwards.dot(place - eye) > -0.1 * (place - eye).length(),
-                    "{name} {index}: pixel {pixel} shows {:?} at {:?} and not face {face}, which faces the eye, at {:?}",
+                    "{name} {index}: pixel {pixel}: {:?} at {:?}, not face {face}, which is seen, at {:?}",
                     aovs.face[pixel],
                     aovs.depth[pixel],
                     expected.depth[pixel]
