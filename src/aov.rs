@@ -25,6 +25,11 @@ pub struct Aovs {
     /// For faces of CAD models, and 1 as the fourth value only there: the number of the face in its model, its number
     /// among the faces in all places of the model's products, and the number of the model in the scene.
     pub face: Vec<[f32; 4]>,
+    /// The Gaussian curvature, the mean curvature, and the principal curvature of larger magnitude, of the true surface
+    /// at the pixel's centre, in the world's unit: 1/unit², 1/unit and 1/unit. The latter two are above 0 where the
+    /// surface bends towards Su × Sv. Only surfaces of the exact method have them, and only in targets with room for them
+    /// ([`FloatTarget::for_aovs_and_curvature`](crate::FloatTarget::for_aovs_and_curvature)).
+    pub curvature: Vec<[f32; 4]>,
 }
 
 impl Aovs {
@@ -39,7 +44,8 @@ impl Aovs {
             position: nothing.clone(),
             normal: nothing.clone(),
             depth: nothing.clone(),
-            face: nothing,
+            face: nothing.clone(),
+            curvature: nothing,
         }
     }
 
@@ -52,6 +58,7 @@ impl Aovs {
             AovKind::Normal => &self.normal,
             AovKind::Depth => &self.depth,
             AovKind::Face => &self.face,
+            AovKind::Curvature => &self.curvature,
         }
     }
 }
@@ -69,13 +76,16 @@ pub enum AovKind {
     Depth,
     /// [`Aovs::face`].
     Face,
+    /// [`Aovs::curvature`].
+    Curvature,
 }
 
 impl AovKind {
     /// Every kind.
-    pub const ALL: [Self; 5] = [Self::Uv, Self::Position, Self::Normal, Self::Depth, Self::Face];
+    pub const ALL: [Self; 6] =
+        [Self::Uv, Self::Position, Self::Normal, Self::Depth, Self::Face, Self::Curvature];
 
-    /// The name that [`AovKind::from_str`] reads: uv, position, normal, depth or face.
+    /// The name that [`AovKind::from_str`] reads: uv, position, normal, depth, face or curvature.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -84,6 +94,7 @@ impl AovKind {
             Self::Normal => "normal",
             Self::Depth => "depth",
             Self::Face => "face",
+            Self::Curvature => "curvature",
         }
     }
 }
@@ -93,7 +104,8 @@ impl FromStr for AovKind {
 
     fn from_str(name: &str) -> Result<Self> {
         Self::ALL.into_iter().find(|kind| kind.name() == name).ok_or_else(|| {
-            Error::invalid("AOV", format!("\"{name}\""), "uv, position, normal, depth or face")
+            let expected = "uv, position, normal, depth, face or curvature";
+            Error::invalid("AOV", format!("\"{name}\""), expected)
         })
     }
 }
@@ -121,8 +133,9 @@ mod tests {
         aovs.normal[0][0] = 3.0;
         aovs.depth[0][0] = 4.0;
         aovs.face[0][0] = 5.0;
+        aovs.curvature[0][0] = 6.0;
         let firsts = AovKind::ALL.map(|kind| aovs.channel(kind)[0][0]);
-        assert_eq!(firsts, [1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(firsts, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
         assert!(AovKind::ALL.iter().all(|kind| aovs.channel(*kind).len() == 6));
     }
 }

@@ -14,6 +14,7 @@
 
 mod bounds;
 mod bspline;
+mod curvature;
 mod elevate;
 mod nurbs;
 mod product;
@@ -23,6 +24,7 @@ use glam::{DVec3, DVec4};
 
 pub(crate) use bounds::bounding_box;
 pub(crate) use bspline::{bezier_curves, check_knots, knots_of_bezier_curves, points_between};
+pub use curvature::{CurvedPoint, SurfaceCurvature};
 pub(crate) use elevate::{elevate, elevate_curve};
 pub use nurbs::NurbsSurface;
 pub(crate) use nurbs::{PatchGrid, span_of};

@@ -26,7 +26,7 @@ use indicatif::ProgressBar;
 use render::Job;
 use report::{ReportFormat, Topic};
 
-use crate::io::input::{self, LoadArguments, PictureArguments, crease_angle};
+use crate::io::input::{self, LoadArguments, PictureArguments, ShadingArguments, crease_angle};
 use crate::io::output::Output;
 use crate::io::say;
 use crate::view::{self, ViewArguments};
@@ -164,6 +164,9 @@ struct MeasureArguments {
 
     #[command(flatten)]
     style: LookArguments,
+
+    #[command(flatten)]
+    shading: ShadingArguments,
 
     /// Measure this many random views instead of the scene's own. They alternate between far away, inside, very
     /// near and grazing.

@@ -114,14 +114,15 @@ mod trim;
 pub use {glam, glow, image};
 
 // Scenes: the objects to draw, and how to draw them.
-pub use bezier::{Degree, NurbsSurface, Patch, SurfacePoint};
+pub use bezier::{CurvedPoint, Degree, NurbsSurface, Patch, SurfaceCurvature, SurfacePoint};
 pub use camera::{Camera, Lens, ViewProjection};
 pub use mesh::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 pub use scene::{
-    CadModel, Cull, EdgeColor, Edges, FaceOfModel, Image, IsolineCount, Isolines, Light, LineWidth,
-    LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings, Samples, Scene,
-    SceneText, Shading, Surface, TessLevel, Tessellation, Tolerance, UpAxis, Viewpoint,
-    default_control_points, load_texture,
+    Analysis, AnalysisChange, AnalysisKind, CadModel, Cull, CurvatureKind, CurvatureLimit,
+    Direction, Draft, DraftLimit, EdgeColor, Edges, FaceOfModel, Image, IsolineCount, Isolines,
+    Light, LineWidth, LoadOptions, Material, MeshModel, Method, Normals, Paint, RenderSettings,
+    Samples, ScaleColors, Scene, SceneText, Shading, StripeCount, Stripes, Surface, TessLevel,
+    Tessellation, Tolerance, UpAxis, Viewpoint, default_control_points, load_texture,
 };
 pub use thesis::newton::Newton;
 pub use trim::{

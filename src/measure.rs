@@ -6,6 +6,7 @@
 //! that see through a closed model between two of its faces. [`random_view`] makes random cameras;
 //! [`in_turns`] measures the cost of drawing on a noisy machine.
 
+mod analysis;
 mod interleave;
 mod leaks;
 mod random;
@@ -20,6 +21,7 @@ use crate::camera::ViewProjection;
 use crate::reference::{Cover, Coverage, has_gap_near};
 use crate::scene::{Scene, Surface, Tessellation};
 
+pub use analysis::{AnalysisErrors, NEAR_PX, measure_analysis};
 pub use interleave::{Timing, in_turns, in_turns_by};
 pub use leaks::{Leak, LeakFinder, LeakKind, LeakingEdge, Leaks, Suspects};
 pub use random::Random;

@@ -19,7 +19,7 @@ use crate::renderer::{
     ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
     RaisedPatches, Renderer, Solids, Strokes, SurfaceJoint,
 };
-use crate::scene::{CadModel, FaceOfModel, Method, Paint, Scene, Surface, joined};
+use crate::scene::{Analysis, CadModel, FaceOfModel, Method, Paint, Scene, Surface, joined};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
 
 /// A scene uploaded to the driver, ready to be drawn from any viewpoint.
@@ -123,6 +123,14 @@ impl PreparedScene {
     /// Statistics of the last frame drawn.
     pub const fn stats(&self) -> FrameStats {
         self.stats
+    }
+
+    /// The curvature at the end of the scale of an analysis, if it shows curvature: its own limit, or the one that suits
+    /// the scene. The latter is found when the analysis is first drawn, and stays. It is 1, 2 or 5 times a power of ten,
+    /// at least as large as that of 95 % of the area that is curved, from samples.
+    #[must_use]
+    pub fn curvature_limit(&self, analysis: &Analysis) -> Option<f64> {
+        self.draw_list.curvature_limit(Some(*analysis))
     }
 
     /// The surfaces.

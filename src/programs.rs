@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use crate::bezier::Degree;
 use crate::error::Result;
 use crate::gpu::{Gl, Program, ShaderPart, Stage};
-use crate::scene::{Light, Method, Normals, Shading};
+use crate::scene::{AnalysisKind, Light, Method, Normals, Shading};
 pub use crate::tessellation::PatchKind;
 use recipes::{Facts, recipe};
 
@@ -114,6 +114,12 @@ pub mod location {
     pub const ISOLINE_COLOR: u32 = 43;
     /// `eye`.
     pub const EYE: u32 = 44;
+    /// `analysis`.
+    pub const ANALYSIS: u32 = 45;
+    /// `localPoints`.
+    pub const LOCAL_POINTS: u32 = 46;
+    /// `curvatureKind`.
+    pub const CURVATURE_KIND: u32 = 47;
 }
 
 /// Binding point of the storage buffer `trimPointsSsbo`, as in listing 13.
@@ -308,6 +314,8 @@ pub struct ProgramKey {
     pub pipeline: Pipeline,
     /// The shading model.
     pub shading: Shading,
+    /// What is shown in place of the shading. Of AOVs, the curvature is one if this is the curvature.
+    pub analysis: Option<AnalysisKind>,
     /// The light, with [`Shading::Phong`].
     pub light: Light,
     /// The kinds of trims.
@@ -344,7 +352,8 @@ macro_rules! glsl {
 }
 
 /// Every shader file of `glsl/`: its path there and its text.
-const FILES: [(&str, &str); 30] = glsl![
+const FILES: [(&str, &str); 33] = glsl![
+    "common/analysis.glsl",
     "common/aov.geom",
     "common/aov.frag",
     "common/levels.glsl",
@@ -360,6 +369,8 @@ const FILES: [(&str, &str); 30] = glsl![
     "exact/surface.tesc",
     "exact/surface.tese",
     "exact/surface.frag",
+    "exact/pixel.glsl",
+    "exact/true_surface.glsl",
     "exact/isolines.glsl",
     "exact/stroke.vert",
     "exact/stroke.frag",
@@ -431,16 +442,21 @@ impl Sources {
         let mut defines = vec![("SAMPLES", samples)];
         let mut facts = Facts {
             aovs: key.output == Output::Aovs,
-            light: (key.shading == Shading::Phong && key.output != Output::Aovs)
-                .then_some(key.light),
+            light: (key.shading == Shading::Phong
+                && key.output != Output::Aovs
+                && key.analysis.is_none())
+            .then_some(key.light),
+            analysis: key.analysis,
             trimmed: key.trims.any(),
             pixel_normals: false,
+            is_evaluated: false,
             isolines: false,
         };
         let mut on: Vec<(&'static str, bool)> = Vec::new();
         if let Pipeline::Thesis(degree) = key.pipeline {
             defines.push(("SIDE", degree.columns() as u32));
         }
+        let is_curvature = key.analysis == Some(AnalysisKind::Curvature);
         let mut painting = Painting::Picture;
         if let Pipeline::Exact {
             degree, patches, shared, painting: own, normals, isolines, ..
@@ -451,9 +467,10 @@ impl Sources {
                 let (columns, rows) = (degree.columns() as u32, degree.rows() as u32);
                 defines.extend([("COLUMNS", columns), ("ROWS", rows)]);
             }
-            facts.pixel_normals =
-                normals == Normals::Pixel && (facts.aovs || key.shading != Shading::Unlit);
+            let are_seen = facts.aovs || key.shading != Shading::Unlit && key.analysis.is_none();
+            facts.pixel_normals = normals == Normals::Pixel && are_seen;
             facts.isolines = isolines && key.output == Output::Picture;
+            facts.is_evaluated = facts.pixel_normals || facts.isolines || facts.analysis.is_some();
             on.extend([
                 ("SHARED", shared),
                 ("ANY_DEGREE", degree.is_none()),
@@ -461,6 +478,7 @@ impl Sources {
                 ("RATIONAL", patches != PatchKind::Polynomial),
                 ("DEGENERATE", patches == PatchKind::Degenerate),
                 ("PIXEL_NORMALS", facts.pixel_normals),
+                ("EVALUATED", facts.is_evaluated),
                 ("ISOLINES", facts.isolines),
             ]);
         }
@@ -480,6 +498,12 @@ impl Sources {
             ("PHONG", facts.light == Some(Light::Thesis)),
             ("STUDIO", facts.light == Some(Light::Studio)),
             ("NORMALS", key.shading == Shading::Normals),
+            ("ANALYSIS", key.analysis.is_some() && !facts.aovs),
+            ("ZEBRA", key.analysis == Some(AnalysisKind::Zebra)),
+            ("ISOPHOTES", key.analysis == Some(AnalysisKind::Isophotes)),
+            ("CURVATURE", is_curvature && matches!(key.pipeline, Pipeline::Exact { .. })),
+            ("CURVATURE_AOV", is_curvature && facts.aovs),
+            ("DRAFT", key.analysis == Some(AnalysisKind::Draft)),
         ]);
         on.extend(key.trims.defines());
         defines.extend(on.into_iter().filter(|(_, on)| *on).map(|(name, _)| (name, 1)));

@@ -8,6 +8,7 @@
 //! Direct3D's reference tessellator, which Mesa's drivers contain. Lines are drawn by stepping along their
 //! longer axis; OpenGL leaves the choice of their pixels to the driver.
 
+mod analysis;
 mod coverage;
 mod raster;
 mod rays;
@@ -27,6 +28,7 @@ use raster::{Raster, Sample, Vertex};
 use sampler::Sampler;
 
 pub use crate::thesis::normal::thesis_normal;
+pub use analysis::Shown;
 pub use coverage::{Cover, Coverage, coverage, has_gap_near};
 pub use rays::{Hit, Rays};
 

@@ -3,6 +3,7 @@
 
 mod aovs;
 mod capture;
+mod curvature;
 mod draw_list;
 mod draws;
 mod frame;
@@ -34,7 +35,7 @@ pub(crate) use strokes::{Strokes, SurfaceJoint};
 pub use surface::PreparedSurface;
 use surface::to_bytes;
 pub(crate) use surface::{PatchShapes, RaisedPatches};
-pub(crate) use uniforms::{set_aovs, set_depth, set_lights, set_matrices};
+pub(crate) use uniforms::{analysis, set_aovs, set_depth, set_lights, set_matrices};
 
 use crate::error::Result;
 use crate::gpu::{Gl, Program, Texture, VertexArray, check_context, draw_size, keep_memory};
@@ -195,6 +196,7 @@ impl Renderer {
         let program = self.program(ProgramKey {
             pipeline: Pipeline::Points,
             shading: Shading::Unlit,
+            analysis: None,
             light: frame.settings.light,
             trims: TrimFeatures::NONE,
             output: Output::Picture,

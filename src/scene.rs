@@ -1,5 +1,6 @@
 //! A scene as plain data, which the parsers create and both renderers draw.
 
+mod analysis;
 mod bpt;
 mod cad;
 mod document;
@@ -28,6 +29,10 @@ use crate::mesh::{CreaseAngle, Smoothing};
 use crate::model::Model;
 use crate::trim::Circle;
 
+pub use analysis::{
+    Analysis, AnalysisChange, AnalysisKind, CurvatureKind, CurvatureLimit, Direction, Draft,
+    DraftLimit, ScaleColors, StripeCount, Stripes,
+};
 pub use cad::{CadModel, FaceOfModel};
 use file::{BYTE_ORDER_MARK, check_is_file, extension, read_text, unreadable};
 pub(crate) use joined::joined;

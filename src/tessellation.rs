@@ -28,8 +28,8 @@ pub(crate) use plan::{Lists, Plan, SubPatch, SurfacePatches, TrimmedList, raise}
 pub(crate) use raised::{Raised, raised};
 pub(crate) use square_nets::SquareNets;
 pub(crate) use strokes::{
-    PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokeSegment, StrokeSide, StrokeView,
-    kept_for_strokes,
+    CurvaturePaint, PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokePaint, StrokeSegment,
+    StrokeSide, StrokeView, kept_for_strokes,
 };
 pub(crate) use sub_patches::{DrawSize, Split, Tessellated, patches_of_next_draw};
 pub(crate) use surface_trims::SurfaceTrims;

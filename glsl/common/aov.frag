@@ -16,6 +16,9 @@ layout(location = 26) uniform vec4 viewport; // first pixel, half of width and h
 layout(location = 0) out vec4 uvAov;       // u, v, number of the patch, 1
 layout(location = 1) out vec4 positionAov; // world space; 1
 layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distance along view axis
+#ifdef CURVATURE_AOV
+layout(location = 3) out vec4 curvatureAov; // Gaussian, mean, the principal one of larger magnitude; 1
+#endif
 
 #ifdef FAR_DEPTH
 // Depth is proportional to the distance along the view axis, so its relative precision is the same
@@ -70,6 +73,15 @@ void main()
 {
     vec3 weights = cornerWeights();
     vec2 uv = mat3x2(cornerTessCoords[0], cornerTessCoords[1], cornerTessCoords[2]) * weights;
+#ifdef CURVATURE
+    // It has derivatives: before anything is discarded.
+    vec3 ignored;
+    vec2 curvature = curvatureAt(uv, ignored);
+    float apart = sqrt(max(curvature.y * curvature.y - curvature.x, 0.0));
+    curvatureAov = vec4(curvature, curvature.y + (curvature.y < 0.0 ? -apart : apart), 1.0);
+#elif defined(CURVATURE_AOV)
+    curvatureAov = vec4(0.0);
+#endif
 #ifdef TRIMMED
     if (cut(uv))
         discard;

@@ -14,7 +14,7 @@ layout(location = 6) flat out vec3 cornerPositions[3];
 layout(location = 9) flat out vec2 cornerTessCoords[3];
 layout(location = 12) flat out uint patchOfTriangle;
 
-#ifdef PIXEL_NORMALS
+#ifdef EVALUATED
 layout(location = 4) flat in uvec4 placeOfVertex[];
 layout(location = 13) flat out uvec4 passPlace;
 #ifdef DEGENERATE
@@ -38,7 +38,7 @@ void main()
             cornerTessCoords[i] = tessCoordOfVertex[i];
         }
         patchOfTriangle = patchOfVertex[0];
-#ifdef PIXEL_NORMALS
+#ifdef EVALUATED
         passPlace = placeOfVertex[0];
 #ifdef DEGENERATE
         passLongest = longestOfVertex[0];

@@ -126,7 +126,7 @@ vec3 tangent(vec4 point, POINT derivative)
 #endif
 }
 
-#ifdef DEGENERATE
+#if defined(DEGENERATE) || defined(ANALYSIS) || defined(CURVATURE)
 // Second derivatives of the Bernstein polynomials of degree n.
 void bernsteinBends(int n, float t, float s, out float bend[LONGEST])
 {
@@ -140,11 +140,15 @@ void bernsteinBends(int n, float t, float s, out float bend[LONGEST])
     }
 }
 
-// The normal Sv × Su of a patch whose tangents may vanish or be parallel. There it is the first
-// non-vanishing term of the normal's Taylor series along the diagonal into the patch; the quadratic
-// term omits derivatives above the second. Not of unit length; zero if all terms vanish.
-vec3 patchNormal(PATCH points, vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec2 longest)
+// A homogeneous point and its derivatives.
+struct Curved {
+    vec4 point;
+    POINT du, dv, duu, duv, dvv;
+};
+
+Curved evaluateCurved(PATCH points, vec2 t)
 {
+    vec2 s = 1.0 - t;
     float bu[LONGEST], bv[LONGEST], su[LONGEST], sv[LONGEST], ru[LONGEST], rv[LONGEST];
     bernstein(COLUMNS - 1, t.x, s.x, bu);
     bernstein(ROWS - 1, t.y, s.y, bv);
@@ -152,22 +156,46 @@ vec3 patchNormal(PATCH points, vec2 t, vec2 s, vec4 point, vec4 du, vec4 dv, vec
     bernsteinSlopes(ROWS - 1, t.y, s.y, sv);
     bernsteinBends(COLUMNS - 1, t.x, s.x, ru);
     bernsteinBends(ROWS - 1, t.y, s.y, rv);
-    vec4 duu = vec4(0.0), duv = vec4(0.0), dvv = vec4(0.0);
+    Curved all;
+    POINT point = POINT(0.0);
+    all.du = all.dv = all.duu = all.duv = all.dvv = POINT(0.0);
     for (int row = 0; row < ROWS; ++row) {
+        POINT value = POINT(0.0), slope = POINT(0.0), bend = POINT(0.0);
         for (int column = 0; column < COLUMNS; ++column) {
-            vec4 p = pointOf(points, row * COLUMNS + column);
-            duu += ru[column] * bv[row] * p;
-            duv += su[column] * sv[row] * p;
-            dvv += bu[column] * rv[row] * p;
+            POINT p = pointOf(points, row * COLUMNS + column);
+            value += bu[column] * p;
+            slope += su[column] * p;
+            bend += ru[column] * p;
         }
+        point += bv[row] * value;
+        all.du += bv[row] * slope;
+        all.dv += sv[row] * value;
+        all.duu += bv[row] * bend;
+        all.duv += sv[row] * slope;
+        all.dvv += rv[row] * value;
     }
-    float square = 1.0 / (point.w * point.w);
-    vec3 u = square * tangent(point, du), v = square * tangent(point, dv);
-    vec3 twist = square * tangent(point, duv);
-    vec3 turn = square * (du.xyz * dv.w - dv.xyz * du.w);
+#ifdef RATIONAL
+    all.point = point;
+#else
+    all.point = vec4(point, 1.0);
+#endif
+    return all;
+}
+#endif
+
+#ifdef DEGENERATE
+// The normal Sv × Su of a patch whose tangents may vanish or be parallel. There it is the first
+// non-vanishing term of the normal's Taylor series along the diagonal into the patch; the quadratic
+// term omits derivatives above the second. Not of unit length; zero if all terms vanish.
+vec3 normalOf(Curved at, vec2 t, vec2 longest)
+{
+    float square = 1.0 / (at.point.w * at.point.w);
+    vec3 u = square * tangent(at.point, at.du), v = square * tangent(at.point, at.dv);
+    vec3 twist = square * tangent(at.point, at.duv);
+    vec3 turn = square * (at.du.xyz * at.dv.w - at.dv.xyz * at.du.w);
     vec2 inwards = vec2(t.x < 0.5 ? 1.0 : -1.0, t.y < 0.5 ? 1.0 : -1.0);
-    vec3 uInwards = inwards.x * square * tangent(point, duu) + inwards.y * (twist + turn);
-    vec3 vInwards = inwards.x * (twist - turn) + inwards.y * square * tangent(point, dvv);
+    vec3 uInwards = inwards.x * square * tangent(at.point, at.duu) + inwards.y * (twist + turn);
+    vec3 vInwards = inwards.x * (twist - turn) + inwards.y * square * tangent(at.point, at.dvv);
 
     vec3 normal = cross(v, u);
     float uu = dot(u, u), vv = dot(v, v);

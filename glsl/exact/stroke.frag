@@ -17,6 +17,9 @@ layout(location = 24) uniform mat4 viewToWorld;
 layout(location = 0) out vec4 uvAov;       // u and v as shares of the domain, -1 - number of a patch, 1
 layout(location = 1) out vec4 positionAov; // world space; 1
 layout(location = 2) out vec4 normalAov;   // world space, unit Su × Sv; distance along view axis
+#ifdef CURVATURE_AOV
+layout(location = 3) out vec4 curvatureAov; // none: src/prepared/captures.rs sets it
+#endif
 #else
 out vec4 fragmentColor;
 #endif
@@ -103,10 +106,19 @@ void main()
     // The pixel shows the nearest point of the edge.
     positionAov = vec4((viewToWorld * vec4(onEdge, 1.0)).xyz, 1.0);
     normalAov = vec4(normalize(mat3(viewToWorld) * normal), distance);
+#ifdef CURVATURE_AOV
+    curvatureAov = vec4(0.0);
+#endif
 #else
     vec3 paint = floor(start.w / vec3(65536.0, 256.0, 1.0));
     paint = (paint - 256.0 * floor(paint / 256.0)) / 255.0;
-#if defined(STUDIO)
+#if defined(ZEBRA)
+    fragmentColor = vec4(zebra(from + depth * direction, normal), 1.0);
+#elif defined(ISOPHOTES)
+    fragmentColor = vec4(isophotes(normal), 1.0);
+#elif defined(DRAFT)
+    fragmentColor = vec4(draft(from + depth * direction, normal), 1.0);
+#elif defined(STUDIO)
     fragmentColor = vec4(lit(linearOf(paint), from + depth * direction, -normal, vec3(0.0)), 1.0);
 #elif defined(PHONG)
     fragmentColor = vec4(lit(paint, from + depth * direction, -normal), 1.0); // Sv × Su, as in the thesis

@@ -1,6 +1,6 @@
 // The thesis' lighting (common/phong.glsl). Trims are decided at the (u, v) of each sample.
 //
-// SAMPLES is the number of samples per pixel of the target.
+// SAMPLES is the number of samples per pixel of the target. With ANALYSIS, each sample has its own colour.
 
 layout(location = 1) in vec2 passTessCoord;
 layout(location = 2) in vec4 position;
@@ -30,18 +30,38 @@ layout(location = 32) uniform float depthScale;
 
 void main()
 {
-#ifdef STUDIO
+#if defined(ANALYSIS) && SAMPLES > 1
+    // The use of gl_SampleID makes the stage run for each sample.
+    vec2 tessCoord = interpolateAtSample(passTessCoord, gl_SampleID);
+    vec3 place = interpolateAtSample(position, gl_SampleID).xyz;
+#else
+    vec2 tessCoord = passTessCoord;
+    vec3 place = position.xyz;
+#endif
+    vec2 uv = clamp(tessCoord, 0.0, 1.0);
+    // What has derivatives comes before anything is discarded.
+#if defined(ZEBRA)
+    vec3 analysed = zebra(place, normalAt(tessCoord));
+#elif defined(ISOPHOTES)
+    vec3 analysed = isophotes(normalAt(tessCoord));
+#elif defined(DRAFT)
+    vec3 analysed = draft(place, normalAt(tessCoord));
+#elif defined(CURVATURE)
+    vec3 normal;
+    vec2 curvature = curvatureAt(tessCoord, normal);
+    vec3 analysed = curvatureColor(curvature, place, normal);
+#elif defined(STUDIO)
     vec3 upright = uprightAt(position.xyz);
 #endif
 #ifdef TEXTURED
 #ifdef OVER_DOMAIN
-    vec2 place = passPictureCoord;
+    vec2 pictureCoord = passPictureCoord;
 #else
-    vec2 place = passTessCoord;
+    vec2 pictureCoord = passTessCoord;
 #endif
     // Sampled before any fragment is discarded: the mipmap level is computed from neighbouring
     // pixels.
-    vec4 texel = texture(colortexture, place);
+    vec4 texel = texture(colortexture, pictureCoord);
     vec3 diffuseColor = texel.rgb;
 #else
     vec3 diffuseColor = passPaint;
@@ -56,7 +76,7 @@ void main()
 #if defined(STUDIO) && defined(TEXTURED)
     diffuseColor = linearOf(diffuseColor);
 #endif
-#if defined(TRIMMED) && SAMPLES > 1
+#if defined(TRIMMED) && SAMPLES > 1 && !defined(ANALYSIS)
     int kept = 0;
     for (int i = 0; i < SAMPLES; ++i)
         if (!cut(interpolateAtSample(passTessCoord, i)))
@@ -65,15 +85,17 @@ void main()
         discard;
     gl_SampleMask[0] = kept;
 #elif defined(TRIMMED)
-    if (cut(passTessCoord))
+    if (cut(tessCoord))
         discard;
 #endif
-#if defined(STUDIO)
-    fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord), upright), 1.0);
+#ifdef ANALYSIS
+    fragmentColor = vec4(analysed, 1.0);
+#elif defined(STUDIO)
+    fragmentColor = vec4(lit(diffuseColor, place, normalAt(uv), upright), 1.0);
 #elif defined(PHONG)
-    fragmentColor = vec4(lit(diffuseColor, position.xyz, normalAt(passTessCoord)), 1.0);
+    fragmentColor = vec4(lit(diffuseColor, place, normalAt(uv)), 1.0);
 #elif defined(NORMALS)
-    vec3 normal = normalAt(passTessCoord);
+    vec3 normal = normalAt(uv);
     float size = length(normal);
     fragmentColor = vec4(0.5 * (size > 0.0 ? normal / size : vec3(0.0)) + 0.5, 1.0);
 #else

@@ -35,10 +35,10 @@ layout(location = 2) out vec4 position;      // view space
 #ifdef AOV
 layout(location = 3) flat out uint passPatch;
 #endif
-#if defined(PIXEL_NORMALS) || defined(ISOLINES)
+#ifdef EVALUATED
 layout(location = 4) flat out uvec4 passPlace;
 #endif
-#if defined(PIXEL_NORMALS) && defined(DEGENERATE)
+#if defined(EVALUATED) && defined(DEGENERATE)
 layout(location = 5) flat out vec2 passLongest;
 #endif
 #ifdef TRIMMED
@@ -104,7 +104,7 @@ void main()
     POINT du, dv;
     evaluate(pointsOfPatch, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = mat3(normalToView) * patchNormal(pointsOfPatch, t, s, point, du, dv, longest);
+    vec3 normal = mat3(normalToView) * normalOf(evaluateCurved(pointsOfPatch, t), t, longest);
 #else
     // Sv × Su, as in the thesis.
     vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));
@@ -119,10 +119,10 @@ void main()
 #ifdef AOV
     passPatch = placeOfPatch.y;
 #endif
-#if defined(PIXEL_NORMALS) || defined(ISOLINES)
+#ifdef EVALUATED
     passPlace = uvec4(placeOfPatch.xyz, cutOfPatch.y >> 16); // at last, columns and rows of the patch
 #endif
-#if defined(PIXEL_NORMALS) && defined(DEGENERATE)
+#if defined(EVALUATED) && defined(DEGENERATE)
     passLongest = longest;
 #endif
 #ifdef TRIMMED

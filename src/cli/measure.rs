@@ -8,7 +8,8 @@ use std::time::{Duration, Instant};
 
 use crate::io::{Error, Result};
 use freeform_surface::inspect::measure::{
-    LeakFinder, Leaks, Measurement, Suspects, measure, random_view,
+    AnalysisErrors, LeakFinder, Leaks, Measurement, Suspects, measure, measure_analysis,
+    random_view,
 };
 use freeform_surface::inspect::reference;
 use freeform_surface::{
@@ -79,6 +80,7 @@ impl<'a> Bench<'a> {
     fn measure(&mut self, path: &Path, bar: &ProgressBar) -> Result<Report> {
         let mut scene = self.arguments.load.load(path)?;
         self.arguments.style.apply(&mut scene, path)?;
+        self.arguments.shading.apply(&mut scene.settings)?;
         // The reference has only Bézier surfaces, so meshes are not drawn.
         scene.meshes.clear();
         if scene.surfaces.is_empty() {
@@ -104,6 +106,7 @@ impl<'a> Bench<'a> {
             triangles: 0,
             ms: 0.0,
             unmet_views: 0,
+            analysis: None,
             leaks: finder.as_ref().map(|of| LeakCounts::new(of.open_edges(), of.has_closed())),
         };
         let (width, height) = self.arguments.resolution;
@@ -122,7 +125,7 @@ impl<'a> Bench<'a> {
             } else if self.arguments.views > 0 {
                 scene.camera = Some(random_view(&scene, seed, view, aspect));
             }
-            let View { measurement, leaks, triangles, ms, unmet: left } =
+            let View { measurement, analysis, leaks, triangles, ms, unmet: left } =
                 self.view(&scene, &mut prepared, finder.as_ref())?;
             bar.inc(1);
             // Leaks count whatever the tolerance is.
@@ -138,6 +141,9 @@ impl<'a> Bench<'a> {
             }
             met_views += 1;
             report.measurement = report.measurement.merge(&measurement);
+            if let Some(errors) = analysis {
+                report.analysis = Some(report.analysis.unwrap_or_default().merge(&errors));
+            }
             report.triangles += triangles;
             report.ms += ms;
         }
@@ -196,8 +202,19 @@ impl<'a> Bench<'a> {
             return Err(Error::Driver { what, reason: complaints.join("; ") });
         }
         let stats = prepared.stats();
+        let analysis =
+            match scene.settings.analysis.filter(|_| frame.settings.method == Method::Exact) {
+                None => None,
+                Some(analysis) => {
+                    let image =
+                        prepared.picture(&mut self.renderer, &self.picture, &frame, |_, _| {})?;
+                    let limit = prepared.curvature_limit(&analysis).unwrap_or(1.0);
+                    Some(measure_analysis(scene, &frame.camera, (&analysis, limit), &aovs, &image))
+                }
+            };
         Ok(View {
             measurement,
+            analysis,
             leaks,
             triangles: stats.triangles,
             ms: times[FRAMES / 2].as_secs_f64() * 1e3,
@@ -209,6 +226,8 @@ impl<'a> Bench<'a> {
 /// What was measured in one view.
 struct View {
     measurement: Measurement,
+    /// Of the shading that is shown in place of light and colour.
+    analysis: Option<AnalysisErrors>,
     leaks: Option<Leaks>,
     triangles: u64,
     ms: f64,
@@ -244,6 +263,8 @@ pub(super) struct Report {
     /// The number of views that reached a limit. If there are several views, the other values leave these views
     /// out.
     pub(super) unmet_views: u64,
+    /// The errors of the shading that is shown in place of light and colour.
+    pub(super) analysis: Option<AnalysisErrors>,
     /// The leaks, if the scene has CAD models.
     leaks: Option<LeakCounts>,
 }
@@ -267,7 +288,16 @@ struct Object<'a> {
     covered_pixels: usize,
     bad_values: usize,
     #[serde(flatten)]
+    analysis: Option<AnalysisObject>,
+    #[serde(flatten)]
     leaks: Option<LeakObject>,
+}
+
+/// The keys of an analysis, in order.
+#[derive(Serialize)]
+struct AnalysisObject {
+    shading_pixels: usize,
+    wrong_shading_pixels: usize,
 }
 
 impl Report {
@@ -307,6 +337,9 @@ impl Report {
         if errors.bad_values > 0 {
             line.push_str(&format!(", {} NaN or infinite values", errors.bad_values));
         }
+        if let Some(AnalysisErrors { compared, wrong, .. }) = self.analysis {
+            line.push_str(&format!(", {wrong} of {compared} pixels of the shading wrong"));
+        }
         if let Some(leaks) = &self.leaks {
             line.push_str(&format!(", {}", leaks.words()));
         }
@@ -331,6 +364,10 @@ impl Report {
             unmet_views: self.unmet_views,
             covered_pixels: errors.covered,
             bad_values: errors.bad_values,
+            analysis: self.analysis.map(|errors| AnalysisObject {
+                shading_pixels: errors.compared,
+                wrong_shading_pixels: errors.wrong,
+            }),
             leaks: self.leaks.as_ref().map(LeakCounts::object),
         })
         .expect("strings and numbers")
@@ -361,6 +398,7 @@ mod tests {
             triangles: 1024,
             ms: 2.25,
             unmet_views: 0,
+            analysis: None,
             leaks: None,
         }
     }

@@ -79,7 +79,7 @@ impl Loaded {
         settings.samples = arguments.samples.unwrap_or(settings.samples);
         settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
         settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
-        arguments.picture.apply(settings);
+        arguments.picture.apply(settings)?;
         Ok(Self { scene, time: start.elapsed() })
     }
 }

@@ -83,6 +83,11 @@ impl FloatTarget {
         }
     }
 
+    /// The number of colour attachments.
+    pub(crate) fn pictures(&self) -> u32 {
+        self.colors.len() as u32
+    }
+
     /// Width and height in pixels.
     #[must_use]
     pub const fn size(&self) -> (u32, u32) {

@@ -8,8 +8,9 @@ use std::time::Duration;
 use super::{Error, Result};
 use clap::Args;
 use freeform_surface::{
-    Cause, CreaseAngle, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions,
-    RenderSettings, Scene, UpAxis,
+    Analysis, AnalysisChange, AnalysisKind, Cause, CreaseAngle, CurvatureKind, CurvatureLimit,
+    Direction, DraftLimit, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions,
+    RenderSettings, Scene, StripeCount, UpAxis,
 };
 
 /// The name of standard input on the command line.
@@ -57,14 +58,74 @@ pub(crate) struct PictureArguments {
     /// thesis (the thesis' two lamps, above and below the origin).
     #[arg(long, value_name = "LIGHT", value_parser = light)]
     light: Option<Light>,
+
+    #[command(flatten)]
+    shading: ShadingArguments,
 }
+
+/// What is shown in place of light and colour; this overrides the scenes' own settings.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct ShadingArguments {
+    /// Show the shape of surfaces in place of their light and colour, exact at each pixel: zebra (a striped
+    /// environment, mirrored), isophotes (stripes of equal angle to a direction), curvature or draft (the angle to a
+    /// direction of pull); none if the scene asks for one.
+    #[arg(long, value_name = "KIND", value_parser = shading)]
+    shading: Option<Shown>,
+
+    /// The number of stripes of zebra or isophotes, 1 to 1000.
+    #[arg(long, value_name = "N", value_parser = stripes, requires = "shading", allow_negative_numbers = true)]
+    stripes: Option<StripeCount>,
+
+    /// The axis of zebra's environment or the direction of isophotes, otherwise what is upright in the picture; the
+    /// direction of the pull of draft, otherwise z.
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, requires = "shading", allow_hyphen_values = true)]
+    direction: Option<Direction>,
+
+    /// Which curvature is shown: gaussian, mean or largest (the principal one of larger magnitude).
+    #[arg(long, value_name = "WHICH", value_parser = curvature, requires = "shading")]
+    curvature: Option<CurvatureKind>,
+
+    /// The curvature at the end of the scale, in 1/unit, or for the Gaussian one 1/unit²; otherwise it suits the scene.
+    #[arg(long, value_name = "LIMIT", value_parser = limit, requires = "shading", allow_negative_numbers = true)]
+    limit: Option<CurvatureLimit>,
+
+    /// The draft angle at the end of the scale in degrees, otherwise 10.
+    #[arg(long, value_name = "D", value_parser = limit_degrees, requires = "shading", allow_negative_numbers = true)]
+    limit_degrees: Option<DraftLimit>,
+}
+
+/// The kind of an analysis; `None`: none.
+type Shown = Option<AnalysisKind>;
 
 /// The number of isolines; `None`: none.
 type Count = Option<IsolineCount>;
 
+impl ShadingArguments {
+    /// Changes the settings of a scene.
+    ///
+    /// # Errors
+    /// Settings that the kind of shading does not have.
+    pub(crate) fn apply(self, settings: &mut RenderSettings) -> Result<()> {
+        if let Some(shown) = self.shading {
+            let is_own = |own: &Analysis| Some(own.kind()) == shown;
+            let own = settings.analysis.filter(is_own);
+            settings.analysis = own.or(shown.map(AnalysisKind::with_defaults));
+        }
+        let Self { stripes, direction, curvature, limit, limit_degrees, .. } = self;
+        let change = AnalysisChange { stripes, direction, curvature, limit, limit_degrees };
+        if let Some(analysis) = &mut settings.analysis {
+            *analysis = analysis.changed(&change)?;
+        }
+        Ok(())
+    }
+}
+
 impl PictureArguments {
     /// Changes the settings of a scene.
-    pub(crate) fn apply(self, settings: &mut RenderSettings) {
+    ///
+    /// # Errors
+    /// As [`ShadingArguments::apply`].
+    pub(crate) fn apply(self, settings: &mut RenderSettings) -> Result<()> {
         if let Some(shown) = self.edges {
             settings.edges = shown.then(|| settings.edges.unwrap_or_default());
         }
@@ -76,7 +137,44 @@ impl PictureArguments {
             settings.isolines = count.map(|count| Isolines { count, ..own });
         }
         settings.light = self.light.unwrap_or(settings.light);
+        self.shading.apply(settings)
     }
+}
+
+fn shading(text: &str) -> Result<Shown, String> {
+    match text {
+        "none" => Ok(None),
+        _ => text
+            .parse()
+            .map(Some)
+            .map_err(|_| "expected zebra, isophotes, curvature, draft or none".into()),
+    }
+}
+
+fn stripes(text: &str) -> Result<StripeCount, String> {
+    (text.parse().ok().and_then(|count| StripeCount::new(count).ok()))
+        .ok_or_else(|| "expected a whole number from 1 to 1000".into())
+}
+
+fn direction(text: &str) -> Result<Direction, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    let numbers: Option<[f64; 3]> = numbers.ok().and_then(|numbers| numbers.try_into().ok());
+    (numbers.and_then(|numbers| Direction::new(numbers.into()).ok()))
+        .ok_or_else(|| "expected X,Y,Z, three numbers that are not all 0".into())
+}
+
+fn curvature(text: &str) -> Result<CurvatureKind, String> {
+    text.parse().map_err(|_| "expected gaussian, mean or largest".into())
+}
+
+fn limit(text: &str) -> Result<CurvatureLimit, String> {
+    (text.parse().ok().and_then(|limit| CurvatureLimit::new(limit).ok()))
+        .ok_or_else(|| "expected a number from 1e-30 to 1e30".into())
+}
+
+fn limit_degrees(text: &str) -> Result<DraftLimit, String> {
+    (text.parse().ok().and_then(|degrees| DraftLimit::new(degrees).ok()))
+        .ok_or_else(|| "expected a number of degrees from 0.001 to 90".into())
 }
 
 fn edge_color(text: &str) -> Result<EdgeColor, String> {

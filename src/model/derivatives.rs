@@ -4,16 +4,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 use super::evaluate::{Basis, derivatives, turn_about};
 use super::{Curve, FaceSurface, NurbsCurve};
-use crate::bezier::{Degree, NurbsSurface, SurfacePoint, span_of};
-
-/// A point of a surface with its first and second derivatives.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct CurvedPoint {
-    pub(super) at: SurfacePoint,
-    pub(super) duu: DVec3,
-    pub(super) duv: DVec3,
-    pub(super) dvv: DVec3,
-}
+use crate::bezier::{CurvedPoint, Degree, NurbsSurface, SurfacePoint, span_of};
 
 /// The basis functions that are not 0 in a span, their first and their second derivatives.
 struct Orders {
@@ -138,15 +129,5 @@ fn nurbs(surface: &NurbsSurface, uv: DVec2, side: DVec2) -> CurvedPoint {
         }
     }
     let [[value, v1, v2], [u1, uv, _], [u2, _, _]] = sums;
-    // By the quotient rule.
-    let position = value.truncate() / value.w;
-    let first = |of: DVec4| (of.truncate() - position * of.w) / value.w;
-    let (du, dv) = (first(u1), first(v1));
-    let second = |of: DVec4, rest: DVec3| first(of) - rest / value.w;
-    CurvedPoint {
-        at: SurfacePoint { position, du, dv },
-        duu: second(u2, 2.0 * u1.w * du),
-        duv: second(uv, u1.w * dv + v1.w * du),
-        dvv: second(v2, 2.0 * v1.w * dv),
-    }
+    CurvedPoint::of_homogeneous([value, u1, v1, u2, uv, v2])
 }

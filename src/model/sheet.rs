@@ -6,8 +6,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3, dvec2};
 
-use super::derivatives::CurvedPoint;
 use super::{BoundedCurve, Curve, FaceSurface};
+use crate::bezier::CurvedPoint;
 use crate::bezier::{NurbsSurface, SurfacePoint, bounding_box};
 
 /// A surface without the bounds of a face.

@@ -1,6 +1,6 @@
 //! A scene as data instead of colours: AOVs of each pixel, and the triangles that the tessellator generates.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::PreparedScene;
 use crate::aov::Aovs;
@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::FloatTarget;
 use crate::programs::Output;
 use crate::renderer::{DrawnVertex, Frame, PreparedSurface, Renderer};
-use crate::scene::{Method, Normals};
+use crate::scene::{Analysis, CurvatureKind, CurvatureLimit, Method, Normals, Surface};
 
 impl PreparedScene {
     /// Renders the AOVs of a frame at pixel centres. Wireframe lines and control points are not drawn.
@@ -23,16 +23,22 @@ impl PreparedScene {
     ) -> Result<Aovs> {
         let mut frame = *frame;
         frame.settings.wireframe = false;
+        // The kind and the limit matter for colours only.
+        let curvature = Analysis::Curvature {
+            of: CurvatureKind::Gaussian,
+            limit: CurvatureLimit::new(1.0).ok(),
+        };
+        frame.settings.analysis = target.has_curvature().then_some(curvature);
         target.bind_cleared();
         self.draw_together(renderer, &frame, Output::Aovs)?;
         let mut aovs = target.aovs();
-        self.set_surfaces(&mut aovs);
+        self.set_surfaces(&mut aovs, target.has_curvature());
         Ok(aovs)
     }
 
     /// Replaces u and v in the patches by those in the domains of NURBS surfaces, finds those of strokes, and sets the
-    /// faces of CAD models.
-    fn set_surfaces(&self, aovs: &mut Aovs) {
+    /// faces of CAD models. Pixels of strokes get the curvature too, if it is asked for.
+    fn set_surfaces(&self, aovs: &mut Aovs, with_curvature: bool) {
         let surfaces = self.surfaces.iter().map(PreparedSurface::surface);
         // For each surface, the number of its first patch.
         let mut firsts = Vec::new();
@@ -46,8 +52,10 @@ impl PreparedScene {
             return;
         }
         let pixels = aovs.uv.iter_mut().zip(&mut aovs.patch_uv).zip(&mut aovs.face);
-        for (((uv, own), face), position) in pixels.zip(&aovs.position) {
-            if uv[3] != 0.0 && uv[2] < 0.0 {
+        let pixels = pixels.zip(&mut aovs.curvature).zip(&aovs.position);
+        for ((((uv, own), face), curvature), position) in pixels {
+            let is_stroke = uv[3] != 0.0 && uv[2] < 0.0;
+            if is_stroke {
                 self.find_patch(&firsts, uv, own, *position);
             }
             let patch = uv[2] as usize;
@@ -59,6 +67,9 @@ impl PreparedScene {
             let [low, high] = surface.patch_domain(patch - firsts[number]);
             let place = low + DVec2::new(own[0].into(), own[1].into()) * (high - low);
             [uv[0], uv[1]] = place.as_vec2().to_array();
+            if is_stroke && with_curvature {
+                *curvature = curvature_at(surface, patch - firsts[number], place);
+            }
             if let Some(of) = surface.face {
                 *face = [of.face as f32, of.instance as f32, of.model as f32, 1.0];
             }
@@ -104,6 +115,7 @@ impl PreparedScene {
         let mut frame = *frame;
         frame.settings.method = Method::Exact;
         frame.settings.wireframe = false;
+        frame.settings.analysis = None;
         // Per-pixel normals are not captured.
         frame.settings.normals = Normals::Vertex;
         let mut captured = Vec::new();
@@ -124,4 +136,12 @@ impl PreparedScene {
         }
         Ok(captured)
     }
+}
+
+/// The AOV of a place in the domain of a surface; `patch` is a patch there.
+fn curvature_at(surface: &Surface, patch: usize, place: DVec2) -> [f32; 4] {
+    let here = surface.curved_at(patch, place).mapped(&DMat3::from_mat4(surface.transform));
+    here.curvature().map_or([0.0, 0.0, 0.0, 1.0], |curvature| {
+        [curvature.gaussian as f32, curvature.mean as f32, curvature.largest() as f32, 1.0]
+    })
 }

@@ -2,7 +2,7 @@
 
 use super::Pipeline;
 use crate::gpu::StageKind::{self, Fragment, Geometry, TessControl, TessEvaluation, Vertex};
-use crate::scene::{Light, Method};
+use crate::scene::{AnalysisKind, Light, Method};
 
 /// A file of a stage.
 pub(super) struct Ingredient {
@@ -25,13 +25,19 @@ enum When {
     LitInStudio,
     /// There are trims.
     Trimmed,
-    /// The fragment stage evaluates patches: normals are evaluated per pixel, or there are isolines.
+    /// The fragment stage evaluates patches: for normals per pixel, isolines or an analysis.
     Evaluated,
+    /// The fragment stage looks for the true surface at a pixel.
+    TrueSurface,
+    /// The output is a picture of an analysis.
+    Analysed,
     /// There are isolines.
     Isolines,
     /// The fragment stage calls `normalAt`: the output is not AOVs, or normals are evaluated per
     /// pixel.
     Normal,
+    /// The same, and there is no analysis, which has its own.
+    ExactNormal,
 }
 
 /// Properties of a program that determine its files.
@@ -39,8 +45,10 @@ pub(super) struct Facts {
     pub(super) aovs: bool,
     /// `None`: unlit, or AOVs.
     pub(super) light: Option<Light>,
+    pub(super) analysis: Option<AnalysisKind>,
     pub(super) trimmed: bool,
     pub(super) pixel_normals: bool,
+    pub(super) is_evaluated: bool,
     pub(super) isolines: bool,
 }
 
@@ -53,8 +61,11 @@ impl Ingredient {
             When::LitAsThesis => facts.light == Some(Light::Thesis),
             When::LitInStudio => facts.light == Some(Light::Studio),
             When::Trimmed => facts.trimmed,
-            When::Evaluated => facts.pixel_normals || facts.isolines,
+            When::Evaluated => facts.is_evaluated,
+            When::TrueSurface => facts.analysis.is_some(),
+            When::Analysed => facts.analysis.is_some() && !facts.aovs,
             When::Isolines => facts.isolines,
+            When::ExactNormal => facts.pixel_normals || !facts.aovs && facts.analysis.is_none(),
             When::Normal => facts.pixel_normals || !facts.aovs,
         }
     }
@@ -113,11 +124,14 @@ const EXACT: &[Ingredient] = recipe! {
     Geometry "common/aov.geom" Aovs;
     Fragment "exact/points.glsl" Evaluated;
     Fragment "exact/patch.glsl" Evaluated;
-    Fragment "common/normal.frag" Normal;
+    Fragment "exact/pixel.glsl" Evaluated;
+    Fragment "exact/true_surface.glsl" TrueSurface;
+    Fragment "common/normal.frag" ExactNormal;
     Fragment "exact/isolines.glsl" Isolines;
     Fragment "common/phong.glsl" LitAsThesis;
     Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
+    Fragment "common/analysis.glsl" Analysed;
     Fragment "common/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -133,6 +147,7 @@ const TRIANGLES: &[Ingredient] = recipe! {
     Fragment "common/phong.glsl" LitAsThesis;
     Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
+    Fragment "common/analysis.glsl" Analysed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
 };
@@ -144,6 +159,7 @@ const STATIC_EXACT: &[Ingredient] = recipe! {
     Fragment "common/phong.glsl" LitAsThesis;
     Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
+    Fragment "common/analysis.glsl" Analysed;
     Fragment "thesis/trim.glsl" Trimmed;
     Fragment "common/aov.frag" Aovs;
     Fragment "exact/surface.frag" Picture;
@@ -165,6 +181,7 @@ const STROKES: &[Ingredient] = recipe! {
     Fragment "common/phong.glsl" LitAsThesis;
     Fragment "common/srgb.glsl" LitInStudio;
     Fragment "common/studio.glsl" LitInStudio;
+    Fragment "common/analysis.glsl" Analysed;
     Fragment "exact/stroke.frag" Always;
 };
 

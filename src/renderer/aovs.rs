@@ -5,16 +5,29 @@ use crate::aov::Aovs;
 use crate::error::Result;
 use crate::gpu::FloatTarget;
 
-/// The number of images that `common/aov.frag` writes to.
+/// The number of images that `common/aov.frag` writes to, without curvature. The curvature is one more.
 const PICTURES: u32 = 3;
 
 impl FloatTarget {
-    /// A target for `PreparedScene::aovs`.
+    /// A target for `PreparedScene::aovs`, without curvature.
     ///
     /// # Errors
     /// As [`FloatTarget::new`].
     pub fn for_aovs(renderer: &Renderer, size: (u32, u32)) -> Result<Self> {
         Self::new(renderer.gl(), size, PICTURES)
+    }
+
+    /// A target for `PreparedScene::aovs` with curvature, which takes longer.
+    ///
+    /// # Errors
+    /// As [`FloatTarget::new`].
+    pub fn for_aovs_and_curvature(renderer: &Renderer, size: (u32, u32)) -> Result<Self> {
+        Self::new(renderer.gl(), size, PICTURES + 1)
+    }
+
+    /// Whether it has room for curvature.
+    pub(crate) fn has_curvature(&self) -> bool {
+        self.pictures() > PICTURES
     }
 
     /// The AOVs that `common/aov.frag` has written to such a target. u and v are those in the patch.
@@ -27,6 +40,7 @@ impl FloatTarget {
         let patch_uv = uv.iter().map(|[u, v, ..]| [*u, *v]).collect();
         let (normal, depth) = (normal.collect(), depth.collect());
         let face = vec![[0.0; 4]; uv.len()];
-        Aovs { size: self.size(), normal, depth, uv, patch_uv, position, face }
+        let curvature = if self.has_curvature() { self.read(PICTURES) } else { face.clone() };
+        Aovs { size: self.size(), normal, depth, uv, patch_uv, position, face, curvature }
     }
 }

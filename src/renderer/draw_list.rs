@@ -9,17 +9,21 @@ use std::rc::Rc;
 use bytemuck::Pod;
 use glam::{DMat3, DMat4, DVec4, Vec4};
 
+use super::curvature::automatic_limit;
 use super::draws::{Draw, PlanKey, divide_into_instances};
 use super::solids::{Solids, eye_in_model};
 use super::surface::{PreparedSurface, Revision, to_bytes};
 use super::trims::{TrimWords, make_exact};
+use super::uniforms::analysis;
 use super::{Frame, RED, Renderer, in_lines};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
 use crate::error::Result;
 use crate::gpu::{Buffer, TexelBuffer};
 use crate::programs::{Output, Painting, TrimFeatures};
-use crate::scene::{Cull, Isolines, RenderSettings, Shading, Tessellation};
+use crate::scene::{
+    Analysis, Cull, CurvatureKind, Isolines, RenderSettings, Shading, Tessellation,
+};
 use crate::tessellation::{
     EdgeSource, EdgeTable, FrameStats, Lists, PatchKind, Plan, Rounding, Screen, SubPatch,
     SurfacePatches, TrimmedList, kept_for_strokes,
@@ -62,6 +66,8 @@ pub(crate) struct DrawList {
     /// Whether surfaces meet along joints, whose strokes need a share of the tolerance.
     has_joints: bool,
     solids: Solids,
+    /// The curvatures at the ends of scales that suit the surfaces, once they were asked for.
+    limits: Vec<(CurvatureKind, f64)>,
     /// Counts the changes of anything above.
     state: u64,
 }
@@ -76,6 +82,8 @@ struct DrawKey {
     see_through: bool,
     /// Whether there are isolines.
     isolines: bool,
+    /// Whether control points are needed relative to their patches.
+    local_points: bool,
 }
 
 /// The properties that all sub-patches of a list share.
@@ -141,11 +149,14 @@ impl DrawList {
             surface.upload_trims(renderer.gl(), &frame.settings)?;
         }
         self.trims.update(renderer.gl(), surfaces)?;
+        let shown = analysis(&frame.settings);
+        self.find_limit(surfaces, shown);
         let key = DrawKey {
             plan: PlanKey::new(frame, frame.settings.tessellation),
             in_red: in_lines(&frame.settings, Output::Picture),
             see_through: frame.settings.wireframe,
             isolines: isolines(&frame.settings).is_some(),
+            local_points: shown.is_some(),
         };
         let same = self.note_revisions(surfaces);
         if same && self.key == Some(key) {
@@ -154,11 +165,34 @@ impl DrawList {
         // If the update fails, the next one starts again.
         self.key = None;
         self.state += 1;
+        if shown.is_some() {
+            surfaces.iter_mut().for_each(PreparedSurface::write_local_points);
+        }
         self.solids.update(surfaces, &key.plan.camera, key.see_through);
         self.plan(surfaces, &key.plan);
         self.upload(renderer, surfaces, &key)?;
         self.key = Some(key);
         Ok(())
+    }
+
+    /// The curvature at the end of the scale of an analysis, if it shows curvature: its own, or one that suits the
+    /// surfaces as they were when it was first asked for.
+    pub(crate) fn curvature_limit(&self, analysis: Option<Analysis>) -> Option<f64> {
+        match analysis? {
+            Analysis::Curvature { limit: Some(limit), .. } => Some(limit.get()),
+            Analysis::Curvature { of, limit: None } => {
+                self.limits.iter().find(|(kind, _)| *kind == of).map(|(_, limit)| *limit)
+            }
+            _ => None,
+        }
+    }
+
+    fn find_limit(&mut self, surfaces: &[PreparedSurface], analysis: Option<Analysis>) {
+        if let Some(Analysis::Curvature { of, .. }) = analysis
+            && self.curvature_limit(analysis).is_none()
+        {
+            self.limits.push((of, automatic_limit(surfaces, of)));
+        }
     }
 
     pub(super) fn draws(&self) -> &[Draw] {

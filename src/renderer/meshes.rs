@@ -10,13 +10,15 @@ use glam::{DMat4, DVec3};
 use super::draw_list::matrices;
 use super::draws::{Draw, PlanKey, divide};
 use super::points::LocalFrame;
-use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
+use super::uniforms::{analysis, set_analysis, set_aovs, set_columns, set_depth, set_lights};
 use super::{DrawnVertex, Frame, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Texture, Vertex};
 use crate::mesh::{Corner, Smoothing};
 use crate::programs::{LEVELS_UNIT, Output, Pipeline, ProgramKey, TrimFeatures, location};
-use crate::scene::{MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform};
+use crate::scene::{
+    Analysis, AnalysisKind, MeshModel, Paint, Shading, TessLevel, Tessellation, check_transform,
+};
 use crate::tessellation::{
     FrameStats, Rounding, Screen, Tessellated, TriangleBound, raise, triangles_of_triangle,
     vertices_of_triangle,
@@ -362,9 +364,17 @@ impl Renderer {
         let shading = if in_lines { Shading::Unlit } else { mesh.model.shading };
         let lines = if in_lines { Some(self.color_texture(super::RED)?) } else { None };
         let colored = mesh.colors.is_some() && is_picture && !in_lines;
+        // Meshes have no curvature.
+        let is_shown = |shown: &Analysis| {
+            let is_curvature = shown.kind() == AnalysisKind::Curvature;
+            output != Output::Triangles && is_curvature == (output == Output::Aovs)
+        };
+        let analysis = analysis(&frame.settings).filter(is_shown);
+        let colored = colored && analysis.is_none();
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },
             shading,
+            analysis: analysis.map(|shown| shown.kind()),
             light: frame.settings.light,
             trims: TrimFeatures::NONE,
             output,
@@ -382,7 +392,9 @@ impl Renderer {
         if let Smoothing::Phong(alpha) = smoothing {
             program.set_f32(location::ALPHA, alpha.get() as f32);
         }
-        if is_picture {
+        if let Some(analysis) = analysis.filter(|_| is_picture) {
+            set_analysis(&program, frame, &analysis, 1.0);
+        } else if is_picture {
             if shading == Shading::Phong {
                 set_lights(&program, frame);
             }

@@ -5,7 +5,7 @@ use glam::Vec2;
 use super::capture::DrawnVertex;
 use super::draw_list::{Batch, DrawList, isolines};
 use super::draws::Draw;
-use super::uniforms::{set_aovs, set_columns, set_depth, set_lights};
+use super::uniforms::{analysis, set_analysis, set_aovs, set_columns, set_depth, set_lights};
 use super::{Frame, PreparedSurface, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::samples_of_target;
@@ -35,11 +35,13 @@ impl Renderer {
         let samples = samples_of_target(self.gl());
         let in_lines = in_lines(settings, output);
         let isolines = isolines(settings).filter(|_| output == Output::Picture);
-        // Red lines and AOVs need no picture. Normals need it only if it has holes.
+        let analysis = analysis(settings).filter(|_| output != Output::Triangles);
+        let kind = analysis.map(|shown| shown.kind());
+        // Red lines and AOVs need no picture. Normals and analyses need it only if it has holes.
         let is_painted = |batch: &Batch| {
             let texture = surfaces[batch.surface].texture();
             let has_holes = texture.is_some_and(|texture| texture.has_holes());
-            let is_shown = batch.shading != Shading::Normals || has_holes;
+            let is_shown = analysis.is_none() && batch.shading != Shading::Normals || has_holes;
             output == Output::Picture && !in_lines && is_shown
         };
         let key = |batch: &Batch| ProgramKey {
@@ -52,7 +54,8 @@ impl Renderer {
                 normals: settings.normals,
                 isolines: isolines.is_some(),
             },
-            shading: if in_lines { Shading::Unlit } else { batch.shading },
+            shading: if in_lines || analysis.is_some() { Shading::Unlit } else { batch.shading },
+            analysis: kind,
             light: settings.light,
             trims: batch.trims,
             output,
@@ -81,6 +84,15 @@ impl Renderer {
                 Output::Aovs => set_aovs(program, frame),
                 _ if key(batch).shading == Shading::Phong => set_lights(program, frame),
                 _ => {}
+            }
+            if let Some(analysis) = analysis.as_ref().filter(|_| output == Output::Picture) {
+                let limit = draw_list.curvature_limit(Some(*analysis)).unwrap_or(1.0);
+                set_analysis(program, frame, analysis, limit);
+                program.set_vec4(location::VIEWPORT, frame.viewport.origin_and_half());
+            }
+            if kind.is_some() {
+                let offset = surface.uploaded_drawn_points().local_offset();
+                program.set_i32(location::LOCAL_POINTS, offset as i32);
             }
             if let Some(Isolines { count, width, color }) = isolines {
                 let lines = Vec2::new(count.get() as f32, 0.5 * width.pixels() as f32);

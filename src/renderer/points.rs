@@ -64,16 +64,20 @@ pub(crate) struct ControlPoints {
     extent: f64,
     /// The number of moves since the points were last centred or their box was last computed.
     moved: usize,
+    /// Whether the points relative to their patches are up to date.
+    has_local: bool,
 }
 
 impl ControlPoints {
-    /// Uploads the control points of several surfaces into one buffer, each with its own centring.
+    /// Uploads the control points of several surfaces into one buffer, each with its own centring. The buffer has room
+    /// for as many points again, relative to their patches ([`ControlPoints::write_local`]).
     pub(crate) fn upload(gl: &Gl, surfaces: &[(&[DVec4], LocalFrame)]) -> Result<Vec<Self>> {
-        let count = surfaces.iter().map(|(points, _)| points.len()).sum();
-        let mut values = Vec::with_capacity(count);
+        let count: usize = surfaces.iter().map(|(points, _)| points.len()).sum();
+        let mut values = Vec::with_capacity(2 * count);
         for (points, centering) in surfaces {
             values.extend(points.iter().map(|point| centering.apply(*point)));
         }
+        values.resize(2 * count, Vec4::ZERO);
         let buffer = Rc::new(TexelBuffer::of_vectors(gl, "control points", &values)?);
         let mut first = 0;
         let place = |(points, centering): &(&[DVec4], LocalFrame)| {
@@ -84,6 +88,7 @@ impl ControlPoints {
                 own_scale: LocalFrame::of(points.iter()).scale,
                 extent: 1.0,
                 moved: 0,
+                has_local: false,
             };
             first += points.len();
             place
@@ -97,8 +102,31 @@ impl ControlPoints {
         let far = |point: &DVec4| ((point.truncate() - center) / scale).abs().max_element();
         self.extent = points.iter().map(far).fold(self.extent, f64::max);
         self.moved += points.len();
+        self.has_local = false;
         let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();
         self.buffer.buffer().write(self.first + index, &values);
+    }
+
+    /// Writes the points once more, relative to the first one of their patch, unless they are up to date. In these, `f32`
+    /// resolves second derivatives as well in a surface of many patches as in one of a single patch.
+    pub(super) fn write_local(&mut self, of_patch: usize, points: &[DVec4]) {
+        if std::mem::replace(&mut self.has_local, true) {
+            return;
+        }
+        let scale = self.centering.scale;
+        let values: Vec<Vec4> = points
+            .chunks_exact(of_patch)
+            .flat_map(|patch| {
+                let centering = LocalFrame { center: patch[0].truncate(), scale };
+                patch.iter().map(move |point| centering.apply(*point))
+            })
+            .collect();
+        self.buffer.buffer().write(self.local_offset() + self.first, &values);
+    }
+
+    /// How far behind a point it is relative to its patch.
+    pub(super) fn local_offset(&self) -> usize {
+        self.buffer.buffer().bytes() / size_of::<Vec4>() / 2
     }
 
     /// The index of the surface's first point in the buffer.
@@ -137,6 +165,7 @@ impl ControlPoints {
         self.own_scale = LocalFrame::of(points.iter()).scale;
         self.extent = 1.0;
         self.moved = 0;
+        self.has_local = false;
         let values: Vec<Vec4> = points.iter().map(|point| self.centering.apply(*point)).collect();
         self.buffer.buffer().write(self.first, &values);
     }

@@ -7,13 +7,13 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
-use super::uniforms::{set_aovs, set_depth, set_lights};
+use super::uniforms::{analysis, set_analysis, set_aovs, set_depth, set_lights};
 use super::{Frame, Renderer};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
 use crate::gpu::{Attribute, Buffer, FloatTarget, Gl, Texture, Vertex, VertexArray};
 use crate::programs::{Output, Pipeline, ProgramKey, TrimFeatures, location};
-use crate::scene::{Light, Method, Shading};
+use crate::scene::{Analysis, AnalysisKind, Light, Method, Shading};
 
 /// A vertex of a static triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -121,11 +121,18 @@ pub struct StaticStyle<'a> {
 impl StaticStyle<'_> {
     /// The key of the program that draws in this style.
     #[must_use]
-    pub const fn key(&self, light: Light, output: Output, far_depth: bool) -> ProgramKey {
+    pub const fn key(
+        &self,
+        light: Light,
+        analysis: Option<AnalysisKind>,
+        output: Output,
+        far_depth: bool,
+    ) -> ProgramKey {
         let pipeline = Pipeline::Static(self.method);
         ProgramKey {
             pipeline,
             shading: self.shading,
+            analysis,
             light,
             trims: self.trims,
             output,
@@ -173,11 +180,19 @@ impl Renderer {
         output: Output,
     ) -> Result<()> {
         let is_far = frame.camera.depth_scale().is_some();
-        let program = self.program(style.key(frame.settings.light, output, is_far))?;
+        let is_shown = |shown: &Analysis| {
+            let is_exact = style.method == Method::Exact && output == Output::Picture;
+            is_exact && shown.kind() != AnalysisKind::Curvature
+        };
+        let analysis = analysis(&frame.settings).filter(is_shown);
+        let kind = analysis.map(|shown| shown.kind());
+        let program = self.program(style.key(frame.settings.light, kind, output, is_far))?;
         program.bind();
         set_depth(&program, frame);
         program.set_mat4(location::VIEW, &frame.camera.view.as_mat4());
-        if style.shading == Shading::Phong && output == Output::Picture {
+        if let Some(analysis) = analysis {
+            set_analysis(&program, frame, &analysis, 1.0);
+        } else if style.shading == Shading::Phong && output == Output::Picture {
             set_lights(&program, frame);
         }
         program.set_mat4(location::PROJECTION, &frame.camera.for_driver().as_mat4());

@@ -5,14 +5,14 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DMat4, Mat4, Vec4};
+use glam::{DMat4, DVec4, Mat4, Vec4};
 use glow::HasContext;
 
 use super::draw_list::DrawList;
 use super::draws::PlanKey;
 use super::solids::Solids;
 use super::surface::{PreparedSurface, to_bytes};
-use super::uniforms::set_lights;
+use super::uniforms::{analysis, set_analysis, set_lights};
 use super::{Frame, Renderer, set_aovs};
 use crate::camera::ViewProjection;
 use crate::error::Result;
@@ -20,9 +20,12 @@ use crate::gpu::{TexelBuffer, samples_of_target};
 use crate::model::{Continuity, Joint, JointKind, Model};
 use crate::parallel;
 use crate::programs::{Output, Pipeline, ProgramKey, STROKES_UNIT, TrimFeatures, location};
-use crate::scene::{EdgeColor, Edges, Method, Paint, Shading, Tessellation};
+use crate::scene::{
+    Analysis, AnalysisKind, CurvatureKind, EdgeColor, Edges, Method, Paint, Shading, Tessellation,
+};
 use crate::tessellation::{
-    PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokeSegment, StrokeSide, StrokeView,
+    CurvaturePaint, PlacedJoint, SEGMENT_TEXELS, StrokeLine, StrokePaint, StrokeSegment,
+    StrokeSide, StrokeView,
 };
 
 /// The error of `f32` in a face's border, as a share of the size of its control points' box: that of the points and of
@@ -89,6 +92,24 @@ struct SegmentsKey {
     /// The state of the list of draws.
     state: u64,
     edges: Option<Edges>,
+    analysis: Option<Analysis>,
+}
+
+/// What the colours of surfaces are in a frame.
+struct Colors<'a> {
+    surfaces: &'a [PreparedSurface],
+    /// Whether they are those of an analysis.
+    are_analysed: bool,
+    curvature: Option<CurvatureColors>,
+}
+
+struct CurvatureColors {
+    kind: CurvatureKind,
+    limit: f64,
+    /// In world space.
+    eye: DVec4,
+    /// For each surface, the number of its first patch among those of all surfaces.
+    firsts: Vec<usize>,
 }
 
 impl Strokes {
@@ -121,7 +142,8 @@ impl Strokes {
     ) -> Result<()> {
         let settings = &frame.settings;
         let view = PlanKey::new(frame, settings.tessellation);
-        let key = SegmentsKey { view, state: list.state(), edges: None };
+        let analysis = analysis(settings);
+        let key = SegmentsKey { view, state: list.state(), edges: None, analysis };
         let solids = list.solids();
         let is_exact = settings.method == Method::Exact;
         let by_class =
@@ -134,7 +156,8 @@ impl Strokes {
             Tessellation::Within(tolerance) if is_exact && !settings.wireframe => {
                 let view = StrokeView::new(&frame.camera, key.view.size, tolerance.pixels());
                 self.closing.update(renderer, key, &view, || {
-                    joints.iter().filter_map(|joint| joint.placed(surfaces, solids)).collect()
+                    let colors = Colors::new(surfaces, frame, list.curvature_limit(analysis));
+                    joints.iter().filter_map(|joint| joint.placed(&colors, solids)).collect()
                 })?;
             }
             _ => self.closing.clear(),
@@ -142,21 +165,58 @@ impl Strokes {
         match &settings.edges {
             Some(edges) if is_exact => {
                 let view = StrokeView::new(&frame.camera, key.view.size, 1.0);
-                let key = SegmentsKey { edges: settings.edges, ..key };
+                let key = SegmentsKey { edges: settings.edges, analysis: None, ..key };
                 let off_faces = match settings.tessellation {
                     Tessellation::Within(tolerance) => tolerance.pixels(),
                     Tessellation::Level(_) => 1.0,
                 };
                 self.lines.update(renderer, key, &view, || {
+                    let colors = Colors { surfaces, are_analysed: false, curvature: None };
                     joints
                         .iter()
-                        .filter_map(|joint| joint.line(surfaces, solids, models, edges, off_faces))
+                        .filter_map(|joint| joint.line(&colors, solids, models, edges, off_faces))
                         .collect()
                 })?;
             }
             _ => self.lines.clear(),
         }
         Ok(())
+    }
+}
+
+impl<'a> Colors<'a> {
+    fn new(surfaces: &'a [PreparedSurface], frame: &Frame, limit: Option<f64>) -> Self {
+        let shown = analysis(&frame.settings);
+        let curvature = match (shown, limit) {
+            (Some(Analysis::Curvature { of, .. }), Some(limit)) => Some(CurvatureColors {
+                kind: of,
+                limit,
+                eye: frame.camera.view.inverse() * frame.camera.eye_in_view(),
+                firsts: surfaces
+                    .iter()
+                    .scan(0, |next, surface| {
+                        *next += surface.cones().len();
+                        Some(*next - surface.cones().len())
+                    })
+                    .collect(),
+            }),
+            _ => None,
+        };
+        Self { surfaces, are_analysed: shown.is_some(), curvature }
+    }
+
+    /// Of a surface; `patch` is one of its patches among those of all surfaces.
+    fn of(&self, surface: usize, patch: usize) -> StrokePaint<'a> {
+        let own = self.surfaces[surface].surface();
+        match (&self.curvature, &own.paint) {
+            (Some(CurvatureColors { kind, limit, eye, firsts }), _) => {
+                let patch = patch - firsts[surface];
+                let (kind, limit, eye) = (*kind, *limit, *eye);
+                StrokePaint::Curvature(CurvaturePaint { surface: own, patch, kind, limit, eye })
+            }
+            (None, Paint::Texture(picture)) if !self.are_analysed => StrokePaint::Picture(picture),
+            _ => StrokePaint::Color(to_bytes(self.surfaces[surface].color())),
+        }
     }
 }
 
@@ -240,9 +300,10 @@ impl SurfaceJoint {
     /// made for.
     fn placed<'a>(
         &'a self,
-        surfaces: &'a [PreparedSurface],
+        colors: &Colors<'a>,
         solids: &Solids,
     ) -> Option<(Shading, PlacedJoint<'a>)> {
+        let surfaces = colors.surfaces;
         let shown = self.shown(surfaces)?;
         if !self.closes_gap || shown != [true; 2] {
             return None;
@@ -255,13 +316,14 @@ impl SurfaceJoint {
         let size = |of: &PreparedSurface| scale(of.surface().transform) * of.points_scale();
         let gap = scale(self.transform(surfaces)) * self.joint().gap
             + ROUNDING * size(one).max(size(other));
-        Some((one.shading(), self.with(surfaces, solids, gap, None)))
+        let shading = if colors.are_analysed { Shading::Unlit } else { one.shading() };
+        Some((shading, self.with(colors, solids, gap, None)))
     }
 
     /// The line along the joint.
     fn line<'a>(
         &'a self,
-        surfaces: &'a [PreparedSurface],
+        colors: &Colors<'a>,
         solids: &Solids,
         models: &[ModelEdges],
         edges: &Edges,
@@ -279,11 +341,11 @@ impl SurfaceJoint {
                 JointKind::Smooth => edges.smooth,
                 JointKind::Seam => false,
             };
-        let shown = self.shown(surfaces).filter(|shown| is_drawn && *shown != [false; 2])?;
+        let shown = self.shown(colors.surfaces).filter(|shown| is_drawn && *shown != [false; 2])?;
         let half_width = 0.5 * edges.width.pixels();
         let nearer = half_width + off_faces;
         let line = StrokeLine { half_width, color: to_bytes(color), nearer, shown };
-        Some((Shading::Unlit, self.with(surfaces, solids, 0.0, Some(line))))
+        Some((Shading::Unlit, self.with(colors, solids, 0.0, Some(line))))
     }
 
     /// Which of the surfaces are drawn; `None` if one is no longer as the joint was made for.
@@ -308,21 +370,18 @@ impl SurfaceJoint {
 
     fn with<'a>(
         &'a self,
-        surfaces: &'a [PreparedSurface],
+        colors: &Colors<'a>,
         solids: &Solids,
         gap: f64,
         line: Option<StrokeLine>,
     ) -> PlacedJoint<'a> {
         let joint = self.joint();
+        let surfaces = colors.surfaces;
         let side = |i: usize| {
             let surface = &surfaces[self.surfaces[i]];
             StrokeSide {
                 patch: self.patches[i] as u32,
-                color: to_bytes(surface.color()),
-                picture: match &surface.surface().paint {
-                    Paint::Texture(picture) => Some(picture.as_ref()),
-                    Paint::Color(_) => None,
-                },
+                paint: colors.of(self.surfaces[i], self.patches[i]),
                 is_flat: surface.is_flat(),
                 side: joint.sides[i],
             }
@@ -371,10 +430,17 @@ impl Renderer {
             return Ok(());
         };
         let samples = samples_of_target(self.gl());
+        // The colours of curvature are in the segments.
+        let is_shown = |shown: &Analysis| {
+            let is_curvature = shown.kind() == AnalysisKind::Curvature;
+            !lines && is_curvature == (output == Output::Aovs)
+        };
+        let analysis = analysis(&frame.settings).filter(is_shown);
         for (shading, run) in &segments.runs {
             let program = self.program(ProgramKey {
                 pipeline: Pipeline::Strokes { samples, lines },
                 shading: *shading,
+                analysis: analysis.map(|shown| shown.kind()),
                 light: frame.settings.light,
                 trims: TrimFeatures::NONE,
                 output,
@@ -386,6 +452,9 @@ impl Renderer {
                 Output::Aovs => set_aovs(&program, frame),
                 _ if *shading == Shading::Phong => set_lights(&program, frame),
                 _ => {}
+            }
+            if let Some(analysis) = &analysis {
+                set_analysis(&program, frame, analysis, 1.0);
             }
             let view = StrokeView::new(&frame.camera, frame.viewport.pixels(), 1.0);
             let [start, direction] = view.rays().map(|rays| Mat4::from_mat3(rays.as_mat3()));

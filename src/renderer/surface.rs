@@ -298,6 +298,17 @@ impl PreparedSurface {
         self.raised.as_ref().map_or(&self.control_points, |raised| &raised.control_points)
     }
 
+    /// Writes the drawn control points relative to their patches into the driver's memory, unless they are up to date.
+    pub(super) fn write_local_points(&mut self) {
+        let of_patch = self.drawn_degree().points();
+        match &mut self.raised {
+            None => self.control_points.write_local(of_patch, self.surface.patch_points()),
+            Some(RaisedPatches { patches, control_points }) => {
+                control_points.write_local(of_patch, &patches.points);
+            }
+        }
+    }
+
     /// The control points of the surface's own patches in the driver's memory.
     pub(crate) const fn uploaded_points(&self) -> &ControlPoints {
         &self.control_points

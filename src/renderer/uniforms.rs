@@ -2,11 +2,11 @@
 
 use glam::{DMat4, DVec3, Mat4, Vec4};
 
-use super::Frame;
+use super::{Frame, in_lines};
 use crate::camera::ViewProjection;
 use crate::gpu::Program;
-use crate::programs::location;
-use crate::scene::Light;
+use crate::programs::{Output, location};
+use crate::scene::{Analysis, CurvatureKind, Draft, Light, RenderSettings, Stripes};
 
 /// The height of the thesis' lamps above and below the world's origin.
 const LAMP_HEIGHT: f64 = 10.0;
@@ -21,6 +21,37 @@ pub(crate) fn set_lights(program: &Program, frame: &Frame) {
         }
         Light::Studio => program.set_vec4(location::EYE, frame.camera.eye_in_view().as_vec4()),
     }
+}
+
+/// The analysis that pictures show: red wireframes have none.
+pub(crate) fn analysis(settings: &RenderSettings) -> Option<Analysis> {
+    settings.analysis.filter(|_| !in_lines(settings, Output::Picture))
+}
+
+/// Sets what an analysis needs. `limit` is the curvature at the end of the scale, if there is one.
+pub(super) fn set_analysis(program: &Program, frame: &Frame, analysis: &Analysis, limit: f64) {
+    let view = &frame.camera.view;
+    let (direction, number) = match *analysis {
+        Analysis::Zebra(Stripes { count, direction })
+        | Analysis::Isophotes(Stripes { count, direction }) => {
+            let upright = direction.map_or(DVec3::Y, |own| view.transform_vector3(own.get()));
+            (upright, f64::from(count.get()))
+        }
+        Analysis::Curvature { of, .. } => {
+            let number = match of {
+                CurvatureKind::Gaussian => 0,
+                CurvatureKind::Mean => 1,
+                CurvatureKind::Largest => 2,
+            };
+            program.set_i32(location::CURVATURE_KIND, number);
+            (DVec3::ZERO, 1.0 / limit)
+        }
+        Analysis::Draft(Draft { pull, limit }) => {
+            (view.transform_vector3(pull.get()), 1.0 / limit.degrees().to_radians())
+        }
+    };
+    program.set_vec4(location::EYE, frame.camera.eye_in_view().as_vec4());
+    program.set_vec4(location::ANALYSIS, direction.extend(number).as_vec4());
 }
 
 /// Sets the factor from the distance along the view axis to depth, if the fragment stage writes

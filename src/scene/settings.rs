@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::Analysis;
 use crate::error::{Error, Result};
 use crate::thesis::newton::Newton;
 
@@ -33,6 +34,8 @@ pub struct RenderSettings {
     pub edges: Option<Edges>,
     /// Lines of equal u and of equal v on surfaces, by the exact method. Wireframes have none.
     pub isolines: Option<Isolines>,
+    /// What is shown in place of the surfaces' and meshes' own shading, by the exact method. Scenes call it `shading`.
+    pub analysis: Option<Analysis>,
     /// When Newton's method stops, for the thesis' method.
     pub newton: Newton,
 }
@@ -51,6 +54,7 @@ impl Default for RenderSettings {
             control_points: false,
             edges: None,
             isolines: None,
+            analysis: None,
             newton: Newton::default(),
         }
     }

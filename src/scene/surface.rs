@@ -6,7 +6,8 @@ use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::{FaceOfModel, Image};
 use crate::bezier::{
-    Degree, NurbsSurface, Patch, PatchGrid, SurfacePoint, check_control_point, check_coordinates,
+    CurvedPoint, Degree, NurbsSurface, Patch, PatchGrid, SurfacePoint, check_control_point,
+    check_coordinates,
 };
 use crate::error::{Error, Result};
 use crate::trim::{ParameterSizes, Trims};
@@ -290,6 +291,21 @@ impl Surface {
         let size = high - low;
         let point = nurbs.at_in([low, high], DVec2::new(u, v));
         SurfacePoint { du: point.du * size.x, dv: point.dv * size.y, ..point }
+    }
+
+    /// Value, first and second derivatives at a place of the domain, by parameters from 0 to 1 within the patch there. Of
+    /// Bézier patches, each of which has a domain of its own, it is the one of that number.
+    ///
+    /// # Panics
+    /// If there is no such patch.
+    #[must_use]
+    pub fn curved_at(&self, patch: usize, place: DVec2) -> CurvedPoint {
+        let patch = self.patch_grid().map_or(patch, |grid| grid.patch_at(place));
+        let [low, high] = self.patch_domain(patch);
+        let share = (place - low) / (high - low);
+        let count = self.degree.points();
+        let points = &self.patch_points[patch * count..][..count];
+        Patch::new(self.degree, points).curved(share.x, share.y)
     }
 
     /// The parameters of the point that is nearest to a point in model space, from parameters nearby: of a Bézier

@@ -54,6 +54,7 @@ pub(super) struct RenderTable {
     pub(super) control_points: bool,
     pub(super) edges: Option<Spanned<EdgesValue>>,
     pub(super) isolines: Option<Spanned<IsolinesValue>>,
+    pub(super) shading: Option<Spanned<AnalysisValue>>,
     pub(super) newton: Option<Spanned<NewtonTable>>,
 }
 
@@ -99,6 +100,29 @@ pub(super) struct IsolinesTable {
     pub(super) count: Option<i64>,
     pub(super) width: Option<f64>,
     pub(super) color: Option<[f32; 3]>,
+}
+
+/// The name of an analysis, or its name and its settings.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected the name of a shading, or a table of kind, stripes, direction, curvature, limit and \
+                 limit_degrees"
+)]
+pub(super) enum AnalysisValue {
+    Named(String),
+    As(AnalysisTable),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AnalysisTable {
+    pub(super) kind: String,
+    pub(super) stripes: Option<i64>,
+    pub(super) direction: Option<DVec3Value>,
+    pub(super) curvature: Option<String>,
+    pub(super) limit: Option<f64>,
+    pub(super) limit_degrees: Option<f64>,
 }
 
 #[derive(Deserialize)]

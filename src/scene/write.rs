@@ -14,9 +14,9 @@ use image::ImageFormat;
 use super::document::{MAX_PATCH_POINTS, check_surface, transform};
 use super::file::{extension, read_text};
 use super::{
-    CadModel, Cull, EdgeColor, Edges, Image, Isolines, MeshModel, Method, Normals, Paint,
-    RenderSettings, Scene, Shading, Surface, Tessellation, bpt, default_control_points,
-    load_texture, obj, svg,
+    Analysis, CadModel, Cull, Direction, Draft, EdgeColor, Edges, Image, Isolines, MeshModel,
+    Method, Normals, Paint, RenderSettings, Scene, Shading, Stripes, Surface, Tessellation, bpt,
+    default_control_points, load_texture, obj, svg,
 };
 use crate::bezier::Degree;
 use crate::camera::{Camera, Lens};
@@ -73,6 +73,28 @@ impl Scene {
     }
 }
 
+/// An analysis as a table.
+fn table_of(analysis: &Analysis) -> String {
+    let mut table = format!("{{ kind = \"{}\"", analysis.kind().name());
+    let direction = |own: Direction| format!(", direction = {}", vector(own.get()));
+    match analysis {
+        Analysis::Zebra(Stripes { count, direction: own })
+        | Analysis::Isophotes(Stripes { count, direction: own }) => {
+            table += &format!(", stripes = {}", count.get());
+            table += &own.map_or_else(String::new, direction);
+        }
+        Analysis::Curvature { of, limit } => {
+            table += &format!(", curvature = \"{}\"", of.name());
+            table += &limit.map_or_else(String::new, |own| format!(", limit = {:?}", own.get()));
+        }
+        Analysis::Draft(Draft { pull, limit }) => {
+            table += &direction(*pull);
+            table += &format!(", limit_degrees = {:?}", limit.degrees());
+        }
+    }
+    table + " }"
+}
+
 struct Writer<'a> {
     path: &'a Path,
     /// Files of the scene.
@@ -123,6 +145,7 @@ impl Writer<'_> {
             control_points,
             edges,
             isolines,
+            analysis,
             newton,
         } = settings;
         self.header("[render]");
@@ -161,6 +184,9 @@ impl Writer<'_> {
             let (count, width) = (count.get(), width.pixels());
             let table = format_args!("{{ count = {count}, width = {width:?}, color = {color:?} }}");
             self.line("isolines", table);
+        }
+        if let Some(analysis) = analysis {
+            self.line("shading", table_of(analysis));
         }
         let (iterations, epsilon) = (newton.iterations(), newton.epsilon());
         self.line("newton", format_args!("{{ iterations = {iterations}, epsilon = {epsilon:?} }}"));

@@ -9,16 +9,17 @@
 //! place of the edge, both lie within the disc around it, and so does the line between them. What lies between the two
 //! borders are all these lines; the stroke contains all these discs.
 
+mod paint;
 mod part;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2, Vec3};
 
+pub(crate) use self::paint::{CurvaturePaint, StrokePaint};
 use self::part::{End, Part, line};
 use super::Eye;
 use crate::camera::ViewProjection;
 use crate::model::{Beside, JointPiece, JointRange};
-use crate::scene::Image;
 
 /// Half of the least width in pixels: the driver moves vertices by 1/256 px at most, in each direction.
 const LEAST: f64 = 1.0 / 64.0;
@@ -45,8 +46,8 @@ const CUT_ENDS: [f32; 2] = [4.0, 8.0];
 const CLOSED: f64 = 1e-6;
 /// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
 const CLEARLY: f64 = 0.1;
-/// The longest segment in pixels that has one colour of a picture.
-const PICTURED: f64 = 4.0;
+/// The longest segment in pixels that has one colour, where colours change along the face.
+const VARIED: f64 = 4.0;
 /// How often a piece of an edge is divided at most.
 const MAX_DIVISIONS: u32 = 40;
 /// The number of pixels that the segments of a line may be off its edge.
@@ -91,25 +92,11 @@ pub(crate) const SEGMENT_TEXELS: usize = size_of::<StrokeSegment>() / 16;
 pub(crate) struct StrokeSide<'a> {
     /// The number of the Bézier patch among the patches of all surfaces, or of any patch of a NURBS surface.
     pub(crate) patch: u32,
-    pub(crate) color: [u8; 3],
-    /// The picture over the domain, if there is one.
-    pub(crate) picture: Option<&'a Image>,
+    pub(crate) paint: StrokePaint<'a>,
     /// Whether triangles follow it without error.
     pub(crate) is_flat: bool,
     /// 1 if the face lies to the left of the edge's direction, seen against its normal; −1 otherwise.
     pub(crate) side: f64,
-}
-
-impl StrokeSide<'_> {
-    /// The colour at (u, v) as shares of the domain; `None` where the picture has a hole.
-    fn color_at(&self, share: DVec2) -> Option<[u8; 3]> {
-        let Some(picture) = self.picture else { return Some(self.color) };
-        let size = UVec2::from(picture.dimensions());
-        let place = DVec2::new(share.x, 1.0 - share.y) * size.as_dvec2();
-        let UVec2 { x, y } = place.as_uvec2().min(size - 1);
-        let [red, green, blue, alpha] = picture.get_pixel(x, y).0;
-        (alpha >= 128).then_some([red, green, blue])
-    }
 }
 
 /// A joint in its place.
@@ -311,9 +298,8 @@ impl StrokeView {
         }
         // The width is that of the nearest place; far from it, it may be too much.
         let excess = gap * (px - self.px_per_unit(farthest));
-        let is_pictured =
-            joint.line.is_none() && joint.sides.iter().any(|side| side.picture.is_some());
-        let is_short = !is_pictured || part.points[0].distance(part.points[3]) * px <= PICTURED;
+        let is_varied = joint.line.is_none() && joint.sides.iter().any(|side| side.paint.varies());
+        let is_short = !is_varied || part.points[0].distance(part.points[3]) * px <= VARIED;
         if (error + excess <= off_edge && is_short) || divisions >= MAX_DIVISIONS {
             Look::Straight(half_width(error))
         } else {
@@ -415,7 +401,7 @@ impl StrokeView {
         let half_width = if is_fold && is_clear { -half_width } else { half_width };
         let face = |face: usize| {
             let [start, end] = ends.map(|(_, end)| end.shares[face]);
-            let color = joint.sides[face].color_at(start.midpoint(end))?;
+            let color = joint.sides[face].paint.color_at(start.midpoint(end))?;
             Some(StrokeFace {
                 start: ends[0].1.normals[face].as_vec3(),
                 color: packed(color),

@@ -71,7 +71,7 @@ pub(super) fn run(arguments: &ViewArguments) -> Result<()> {
             }
         }
     };
-    arguments.picture.apply(&mut scene.settings);
+    arguments.picture.apply(&mut scene.settings)?;
     let no_display = |error: winit::error::EventLoopError| {
         // The text before the last colon names a line of winit's source.
         let error = error.to_string();
@@ -369,9 +369,9 @@ impl App {
             return;
         };
         let Some((loading, then)) = self.loading.take() else { return };
-        let result = result.map(|mut scene| {
-            self.picture.apply(&mut scene.settings);
-            scene
+        let result = result.and_then(|mut scene| {
+            self.picture.apply(&mut scene.settings)?;
+            Ok(scene)
         });
         self.state.progress = None;
         self.redraw();

@@ -3,10 +3,12 @@
 use super::{Builder, unit_range};
 use crate::error::{Error, Result};
 use crate::scene::tables::{
-    EdgeColorValue, EdgesTable, EdgesValue, IsolinesTable, IsolinesValue, RenderTable,
+    AnalysisTable, AnalysisValue, EdgeColorValue, EdgesTable, EdgesValue, IsolinesTable,
+    IsolinesValue, RenderTable,
 };
 use crate::scene::{
-    EdgeColor, Edges, IsolineCount, Isolines, LineWidth, RenderSettings, Samples, TessLevel,
+    Analysis, AnalysisChange, AnalysisKind, CurvatureLimit, Direction, DraftLimit, EdgeColor,
+    Edges, IsolineCount, Isolines, LineWidth, RenderSettings, Samples, StripeCount, TessLevel,
     Tessellation, Tolerance, UpAxis,
 };
 use crate::thesis::newton::Newton;
@@ -57,6 +59,9 @@ pub(super) fn stage_of(builder: &Builder<'_>, table: RenderTable) -> Result<Stag
     if let Some(isolines) = table.isolines {
         settings.isolines = builder.check(isolines, isolines_of)?;
     }
+    if let Some(shading) = table.shading {
+        settings.analysis = Some(builder.check(shading, analysis_of)?);
+    }
     if let Some(newton) = table.newton {
         settings.newton = builder.check(newton, |table| {
             let default = Newton::default();
@@ -83,6 +88,23 @@ fn edges_of(value: EdgesValue) -> Result<Option<Edges>> {
             },
             smooth,
         })),
+    }
+}
+
+fn analysis_of(value: AnalysisValue) -> Result<Analysis> {
+    match value {
+        AnalysisValue::Named(name) => Ok(name.parse::<AnalysisKind>()?.with_defaults()),
+        AnalysisValue::As(table) => {
+            let AnalysisTable { kind, stripes, direction, curvature, limit, limit_degrees } = table;
+            let change = AnalysisChange {
+                stripes: stripes.map(StripeCount::new).transpose()?,
+                direction: direction.map(|own| Direction::new(own.into())).transpose()?,
+                curvature: curvature.map(|name| name.parse()).transpose()?,
+                limit: limit.map(CurvatureLimit::new).transpose()?,
+                limit_degrees: limit_degrees.map(DraftLimit::new).transpose()?,
+            };
+            kind.parse::<AnalysisKind>()?.with_defaults().changed(&change)
+        }
     }
 }
 
