@@ -86,7 +86,7 @@ fn main() {
             let mut still = Renderer::new(gl).expect("a renderer");
             let circle = surface.trims.circles[0];
             let program = still
-                .program(style.key(frame.settings.light, Output::Picture, false))
+                .program(style.key(frame.settings.light, None, Output::Picture, false))
                 .expect("it links");
             program.set_i32(location::CIRC_BOOL, 1);
             program.set_vec2(location::TRIM_CENTER, circle.center.as_vec2());

@@ -51,12 +51,12 @@ vec3 draft(vec3 position, vec3 normal)
     return onScale(angle * analysis.w, vec3(0.8, 0.15, 0.15), vec3(0.98, 0.88, 0.4), vec3(0.15, 0.6, 0.25));
 }
 
-// `values`: the Gaussian and the mean curvature, the latter above 0 where the surface bends towards the normal.
-vec3 curvatureColor(vec2 values, vec3 position, vec3 normal)
+// `values`: the Gaussian curvature, the mean curvature, which is above 0 where the surface bends towards the normal, and
+// half of the difference of the principal curvatures.
+vec3 curvatureColor(vec3 values, vec3 position, vec3 normal)
 {
-    float gaussian = values.x;
     float mean = values.y * (dot(normal, towardsEye(position)) < 0.0 ? -1.0 : 1.0);
-    float apart = sqrt(max(mean * mean - gaussian, 0.0));
-    float value = curvatureKind == 0 ? gaussian : curvatureKind == 1 ? mean : mean + (mean < 0.0 ? -apart : apart);
+    float largest = mean + (mean < 0.0 ? -values.z : values.z);
+    float value = curvatureKind == 0 ? values.x : curvatureKind == 1 ? mean : largest;
     return onScale(value * analysis.w, vec3(0.23, 0.3, 0.75), vec3(0.87), vec3(0.71, 0.02, 0.15));
 }

@@ -11,7 +11,9 @@ layout(location = 9) flat in vec2 cornerTessCoords[3];
 layout(location = 12) flat in uint patchOfTriangle;
 
 layout(location = 24) uniform mat4 viewToWorld;
+#ifndef EVALUATED
 layout(location = 26) uniform vec4 viewport; // first pixel, half of width and height
+#endif
 
 layout(location = 0) out vec4 uvAov;       // u, v, number of the patch, 1
 layout(location = 1) out vec4 positionAov; // world space; 1
@@ -74,11 +76,10 @@ void main()
     vec3 weights = cornerWeights();
     vec2 uv = mat3x2(cornerTessCoords[0], cornerTessCoords[1], cornerTessCoords[2]) * weights;
 #ifdef CURVATURE
-    // It has derivatives: before anything is discarded.
     vec3 ignored;
-    vec2 curvature = curvatureAt(uv, ignored);
-    float apart = sqrt(max(curvature.y * curvature.y - curvature.x, 0.0));
-    curvatureAov = vec4(curvature, curvature.y + (curvature.y < 0.0 ? -apart : apart), 1.0);
+    vec3 curvature = curvatureAt(uv, ignored);
+    float largest = curvature.y + (curvature.y < 0.0 ? -curvature.z : curvature.z);
+    curvatureAov = vec4(curvature.xy, largest, 1.0);
 #elif defined(CURVATURE_AOV)
     curvatureAov = vec4(0.0);
 #endif

@@ -48,7 +48,7 @@ void main()
     vec3 analysed = draft(place, normalAt(tessCoord));
 #elif defined(CURVATURE)
     vec3 normal;
-    vec2 curvature = curvatureAt(tessCoord, normal);
+    vec3 curvature = curvatureAt(tessCoord, normal);
     vec3 analysed = curvatureColor(curvature, place, normal);
 #elif defined(STUDIO)
     vec3 upright = uprightAt(position.xyz);

@@ -33,11 +33,9 @@ enum When {
     Analysed,
     /// There are isolines.
     Isolines,
-    /// The fragment stage calls `normalAt`: the output is not AOVs, or normals are evaluated per
-    /// pixel.
+    /// The fragment stage calls the `normalAt` of `common/normal.frag`: the output is not AOVs, or normals are evaluated
+    /// per pixel, and no analysis has its own.
     Normal,
-    /// The same, and there is no analysis, which has its own.
-    ExactNormal,
 }
 
 /// Properties of a program that determine its files.
@@ -65,8 +63,7 @@ impl Ingredient {
             When::TrueSurface => facts.analysis.is_some(),
             When::Analysed => facts.analysis.is_some() && !facts.aovs,
             When::Isolines => facts.isolines,
-            When::ExactNormal => facts.pixel_normals || !facts.aovs && facts.analysis.is_none(),
-            When::Normal => facts.pixel_normals || !facts.aovs,
+            When::Normal => facts.pixel_normals || !facts.aovs && facts.analysis.is_none(),
         }
     }
 }
@@ -126,7 +123,7 @@ const EXACT: &[Ingredient] = recipe! {
     Fragment "exact/patch.glsl" Evaluated;
     Fragment "exact/pixel.glsl" Evaluated;
     Fragment "exact/true_surface.glsl" TrueSurface;
-    Fragment "common/normal.frag" ExactNormal;
+    Fragment "common/normal.frag" Normal;
     Fragment "exact/isolines.glsl" Isolines;
     Fragment "common/phong.glsl" LitAsThesis;
     Fragment "common/srgb.glsl" LitInStudio;

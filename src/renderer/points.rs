@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
-use crate::bezier::{bounding_box, homogeneous};
+use crate::bezier::{Degree, bounding_box, homogeneous};
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Vertex};
 
@@ -107,17 +107,18 @@ impl ControlPoints {
         self.buffer.buffer().write(self.first + index, &values);
     }
 
-    /// Writes the points once more, relative to the first one of their patch, unless they are up to date. In these, `f32`
-    /// resolves second derivatives as well in a surface of many patches as in one of a single patch.
-    pub(super) fn write_local(&mut self, of_patch: usize, points: &[DVec4]) {
+    /// Writes the points once more, relative to one of their patch, unless they are up to date. In these, `f32` resolves
+    /// second derivatives as well in a surface of many patches as in one of a single patch; and at a pole, where control
+    /// points are the same, as well as elsewhere, because there they are 0.
+    pub(super) fn write_local(&mut self, degree: Degree, points: &[DVec4]) {
         if std::mem::replace(&mut self.has_local, true) {
             return;
         }
         let scale = self.centering.scale;
         let values: Vec<Vec4> = points
-            .chunks_exact(of_patch)
+            .chunks_exact(degree.points())
             .flat_map(|patch| {
-                let centering = LocalFrame { center: patch[0].truncate(), scale };
+                let centering = LocalFrame { center: pole_or_first(degree, patch, scale), scale };
                 patch.iter().map(move |point| centering.apply(*point))
             })
             .collect();
@@ -187,4 +188,22 @@ impl ControlPoints {
     pub(crate) fn buffer(&self) -> &Buffer {
         self.buffer.buffer()
     }
+}
+
+/// A control point of a patch that is the same as its neighbour, or else the first one. `scale` is the size of the
+/// surface.
+fn pole_or_first(degree: Degree, patch: &[DVec4], scale: f64) -> DVec3 {
+    /// Points that are nearer to each other are the same but for rounding.
+    const SAME: f64 = 1e-13;
+    let columns = degree.columns();
+    let is_same = |i: usize, j: usize| {
+        patch
+            .get(j)
+            .is_some_and(|other| other.truncate().distance(patch[i].truncate()) <= SAME * scale)
+    };
+    let is_pole = |i: &usize| {
+        let is_last = (i + 1).is_multiple_of(columns);
+        is_same(*i, i + columns) || (!is_last && is_same(*i, i + 1))
+    };
+    patch[(0..patch.len()).find(is_pole).unwrap_or(0)].truncate()
 }

@@ -300,11 +300,11 @@ impl PreparedSurface {
 
     /// Writes the drawn control points relative to their patches into the driver's memory, unless they are up to date.
     pub(super) fn write_local_points(&mut self) {
-        let of_patch = self.drawn_degree().points();
+        let degree = self.drawn_degree();
         match &mut self.raised {
-            None => self.control_points.write_local(of_patch, self.surface.patch_points()),
+            None => self.control_points.write_local(degree, self.surface.patch_points()),
             Some(RaisedPatches { patches, control_points }) => {
-                control_points.write_local(of_patch, &patches.points);
+                control_points.write_local(degree, &patches.points);
             }
         }
     }

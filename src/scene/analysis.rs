@@ -230,6 +230,10 @@ impl Direction {
     /// # Errors
     /// A vector that is not finite, or without a direction.
     pub fn new(vector: DVec3) -> Result<Self> {
+        // What is written of a direction is read back as the same one.
+        if (vector.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON {
+            return Ok(Self(vector));
+        }
         // First by the largest component, so that squares neither overflow nor vanish.
         let scaled = vector / vector.abs().max_element();
         match scaled.try_normalize() {

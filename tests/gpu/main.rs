@@ -4,6 +4,7 @@
 #[path = "../harness/mod.rs"]
 mod harness;
 
+mod analysis;
 mod comparison;
 mod contexts;
 mod depth;

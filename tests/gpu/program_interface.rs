@@ -55,6 +55,7 @@ fn the_thesis_program_has_every_name_of_the_listings() {
             let key = ProgramKey {
                 pipeline: Pipeline::Thesis(degree),
                 shading: Shading::Phong,
+                analysis: None,
                 light: Light::Thesis,
                 trims: TrimFeatures::ALL,
                 output: Output::Picture,
@@ -103,6 +104,7 @@ fn the_report_program_has_the_names_of_the_report() {
         let key = ProgramKey {
             pipeline: Pipeline::Report,
             shading: Shading::Unlit,
+            analysis: None,
             light: Light::Thesis,
             trims: TrimFeatures::default(),
             output: Output::Picture,
@@ -132,6 +134,7 @@ fn without_trims_no_trim_code_is_compiled_in() {
         let key = ProgramKey {
             pipeline: Pipeline::Thesis(Degree::CUBIC),
             shading: Shading::Phong,
+            analysis: None,
             light: Light::Thesis,
             trims,
             output: Output::Picture,
@@ -175,6 +178,7 @@ fn every_kind_of_trim_compiles_alone_and_in_the_report_program() {
             let key = ProgramKey {
                 pipeline,
                 shading,
+                analysis: None,
                 light: Light::Thesis,
                 trims,
                 output: Output::Picture,
@@ -242,6 +246,7 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             let key = ProgramKey {
                 pipeline,
                 shading,
+                analysis: None,
                 light,
                 trims,
                 output,
@@ -288,6 +293,7 @@ fn a_broken_shader_is_reported_with_stage_file_and_line() {
     let key = ProgramKey {
         pipeline: Pipeline::Thesis(Degree::CUBIC),
         shading: Shading::Phong,
+        analysis: None,
         light: Light::Thesis,
         trims: TrimFeatures::ALL,
         output: Output::Picture,
