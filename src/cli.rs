@@ -96,7 +96,8 @@ struct RenderArguments {
 
     /// Write the values at the centre of each pixel as 32-bit floats: uv (u, v and the number of the patch),
     /// position and normal (in world space), depth (along the view axis), or face (of a CAD model: the number of the
-    /// face, its number among the faces in all places, the number of the model). May be given several times; works
+    /// face, its number among the faces in all places, the number of the model), or curvature (Gaussian, mean, and the
+    /// principal one of larger magnitude). May be given several times; works
     /// with one scene only.
     #[arg(long, value_name = "KIND=FILE.exr")]
     aov: Vec<AovFile>,
@@ -112,6 +113,10 @@ struct RenderArguments {
 
     #[command(flatten)]
     picture: PictureArguments,
+
+    /// Leave out the scale that a picture of curvature or draft has in its corner.
+    #[arg(long)]
+    no_scale: bool,
 
     /// Show the control points as blue squares; "--control-points=false" hides them.
     #[arg(long, num_args = 0..=1, require_equals = true, default_missing_value = "true")]

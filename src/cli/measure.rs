@@ -202,16 +202,15 @@ impl<'a> Bench<'a> {
             return Err(Error::Driver { what, reason: complaints.join("; ") });
         }
         let stats = prepared.stats();
-        let analysis =
-            match scene.settings.analysis.filter(|_| frame.settings.method == Method::Exact) {
-                None => None,
-                Some(analysis) => {
-                    let image =
-                        prepared.picture(&mut self.renderer, &self.picture, &frame, |_, _| {})?;
-                    let limit = prepared.curvature_limit(&analysis).unwrap_or(1.0);
-                    Some(measure_analysis(scene, &frame.camera, (&analysis, limit), &aovs, &image))
-                }
-            };
+        let analysis = match scene.settings.shown_analysis() {
+            None => None,
+            Some(analysis) => {
+                let image =
+                    prepared.picture(&mut self.renderer, &self.picture, &frame, |_, _| {})?;
+                let limit = prepared.curvature_limit(&analysis).unwrap_or(1.0);
+                Some(measure_analysis(scene, &frame.camera, (&analysis, limit), &aovs, &image))
+            }
+        };
         Ok(View {
             measurement,
             analysis,

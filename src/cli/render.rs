@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use crate::io::{Error, Result};
 use freeform_surface::{
-    Backend, FloatTarget, Frame, FrameStats, Headless, Image, Offscreen, PreparedScene, Scene,
-    Tessellation,
+    AovKind, Backend, FloatTarget, Frame, FrameStats, Headless, Image, Offscreen, PreparedScene,
+    Scene, Tessellation,
 };
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -14,7 +14,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::RenderArguments;
 use super::exr::AovFile;
 use crate::io::output::Output;
-use crate::io::say;
+use crate::io::{say, scale};
 
 /// Renders every scene to its output.
 ///
@@ -24,6 +24,7 @@ pub(super) fn all(arguments: &RenderArguments, outputs: &[Output]) -> Result<(),
     AovFile::check(&arguments.aov, arguments.scenes.len()).map_err(|error| vec![error])?;
     let mut job = Job::new(arguments.backend, arguments.resolution).map_err(|error| vec![error])?;
     job.verbose = arguments.verbose;
+    job.with_scale = !arguments.no_scale;
     let scenes: Vec<_> =
         arguments.scenes.iter().map(|path| (path, Loaded::read(path, arguments))).collect();
     let loaded = || scenes.iter().filter_map(|(_, loaded)| loaded.as_ref().ok());
@@ -103,6 +104,8 @@ pub(super) struct Job {
     set_up: Duration,
     load: Duration,
     verbose: bool,
+    /// Whether pictures of analyses have a scale.
+    with_scale: bool,
 }
 
 impl Job {
@@ -113,7 +116,14 @@ impl Job {
         let start = Instant::now();
         let offscreen = Offscreen::in_context(context, width, height)?;
         let set_up = start.elapsed();
-        Ok(Self { offscreen, start_up, set_up, load: Duration::ZERO, verbose: false })
+        Ok(Self {
+            offscreen,
+            start_up,
+            set_up,
+            load: Duration::ZERO,
+            verbose: false,
+            with_scale: true,
+        })
     }
 
     /// The driver's renderer and version.
@@ -155,7 +165,12 @@ impl Job {
         let (width, height) = self.offscreen.target().size();
         let frame = Frame::of(scene, (width, height));
         let renderer = self.offscreen.renderer_mut();
-        let target = FloatTarget::for_aovs(renderer, (width, height))?;
+        let with_curvature = files.iter().any(|file| file.kind == AovKind::Curvature);
+        let target = if with_curvature {
+            FloatTarget::for_aovs_and_curvature(renderer, (width, height))?
+        } else {
+            FloatTarget::for_aovs(renderer, (width, height))?
+        };
         let aovs = PreparedScene::new(renderer, scene)?.aovs(renderer, &target, &frame)?;
         self.offscreen.check_complaints(|| format!("AOVs of {width}x{height} pixels"))?;
         files.iter().try_for_each(|file| file.write(&aovs))
@@ -186,8 +201,11 @@ impl Job {
             }
         }
         let start = Instant::now();
-        let image = self.offscreen.picture(&mut prepared, &frame, |_, _| bar.inc(1))?;
+        let mut image = self.offscreen.picture(&mut prepared, &frame, |_, _| bar.inc(1))?;
         times.picture = start.elapsed();
+        if let Some(analysis) = frame.settings.shown_analysis().filter(|_| self.with_scale) {
+            scale::draw(&mut image, &analysis, prepared.curvature_limit(&analysis));
+        }
         times.stats = prepared.stats();
         Ok(image)
     }

@@ -14,7 +14,6 @@ use super::draws::{Draw, PlanKey, divide_into_instances};
 use super::solids::{Solids, eye_in_model};
 use super::surface::{PreparedSurface, Revision, to_bytes};
 use super::trims::{TrimWords, make_exact};
-use super::uniforms::analysis;
 use super::{Frame, RED, Renderer, in_lines};
 use crate::bezier::Degree;
 use crate::camera::ViewProjection;
@@ -149,7 +148,7 @@ impl DrawList {
             surface.upload_trims(renderer.gl(), &frame.settings)?;
         }
         self.trims.update(renderer.gl(), surfaces)?;
-        let shown = analysis(&frame.settings);
+        let shown = frame.settings.shown_analysis();
         self.find_limit(surfaces, shown);
         let key = DrawKey {
             plan: PlanKey::new(frame, frame.settings.tessellation),

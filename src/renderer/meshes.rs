@@ -10,7 +10,7 @@ use glam::{DMat4, DVec3};
 use super::draw_list::matrices;
 use super::draws::{Draw, PlanKey, divide};
 use super::points::LocalFrame;
-use super::uniforms::{analysis, set_analysis, set_aovs, set_columns, set_depth, set_lights};
+use super::uniforms::{set_analysis, set_aovs, set_columns, set_depth, set_lights};
 use super::{DrawnVertex, Frame, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Texture, Vertex};
@@ -369,7 +369,7 @@ impl Renderer {
             let is_curvature = shown.kind() == AnalysisKind::Curvature;
             output != Output::Triangles && is_curvature == (output == Output::Aovs)
         };
-        let analysis = analysis(&frame.settings).filter(is_shown);
+        let analysis = frame.settings.shown_analysis().filter(is_shown);
         let colored = colored && analysis.is_none();
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },

@@ -7,7 +7,7 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
-use super::uniforms::{analysis, set_analysis, set_aovs, set_depth, set_lights};
+use super::uniforms::{set_analysis, set_aovs, set_depth, set_lights};
 use super::{Frame, Renderer};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
@@ -184,7 +184,7 @@ impl Renderer {
             let is_exact = style.method == Method::Exact && output == Output::Picture;
             is_exact && shown.kind() != AnalysisKind::Curvature
         };
-        let analysis = analysis(&frame.settings).filter(is_shown);
+        let analysis = frame.settings.shown_analysis().filter(is_shown);
         let kind = analysis.map(|shown| shown.kind());
         let program = self.program(style.key(frame.settings.light, kind, output, is_far))?;
         program.bind();

@@ -12,7 +12,7 @@ use super::draw_list::DrawList;
 use super::draws::PlanKey;
 use super::solids::Solids;
 use super::surface::{PreparedSurface, to_bytes};
-use super::uniforms::{analysis, set_analysis, set_lights};
+use super::uniforms::{set_analysis, set_lights};
 use super::{Frame, Renderer, set_aovs};
 use crate::camera::ViewProjection;
 use crate::error::Result;
@@ -142,7 +142,7 @@ impl Strokes {
     ) -> Result<()> {
         let settings = &frame.settings;
         let view = PlanKey::new(frame, settings.tessellation);
-        let analysis = analysis(settings);
+        let analysis = settings.shown_analysis();
         let key = SegmentsKey { view, state: list.state(), edges: None, analysis };
         let solids = list.solids();
         let is_exact = settings.method == Method::Exact;
@@ -186,7 +186,7 @@ impl Strokes {
 
 impl<'a> Colors<'a> {
     fn new(surfaces: &'a [PreparedSurface], frame: &Frame, limit: Option<f64>) -> Self {
-        let shown = analysis(&frame.settings);
+        let shown = frame.settings.shown_analysis();
         let curvature = match (shown, limit) {
             (Some(Analysis::Curvature { of, .. }), Some(limit)) => Some(CurvatureColors {
                 kind: of,
@@ -435,7 +435,7 @@ impl Renderer {
             let is_curvature = shown.kind() == AnalysisKind::Curvature;
             !lines && is_curvature == (output == Output::Aovs)
         };
-        let analysis = analysis(&frame.settings).filter(is_shown);
+        let analysis = frame.settings.shown_analysis().filter(is_shown);
         for (shading, run) in &segments.runs {
             let program = self.program(ProgramKey {
                 pipeline: Pipeline::Strokes { samples, lines },

@@ -2,11 +2,11 @@
 
 use glam::{DMat4, DVec3, Mat4, Vec4};
 
-use super::{Frame, in_lines};
+use super::Frame;
 use crate::camera::ViewProjection;
 use crate::gpu::Program;
-use crate::programs::{Output, location};
-use crate::scene::{Analysis, CurvatureKind, Draft, Light, RenderSettings, Stripes};
+use crate::programs::location;
+use crate::scene::{Analysis, CurvatureKind, Draft, Light, Stripes};
 
 /// The height of the thesis' lamps above and below the world's origin.
 const LAMP_HEIGHT: f64 = 10.0;
@@ -21,11 +21,6 @@ pub(crate) fn set_lights(program: &Program, frame: &Frame) {
         }
         Light::Studio => program.set_vec4(location::EYE, frame.camera.eye_in_view().as_vec4()),
     }
-}
-
-/// The analysis that pictures show: red wireframes have none.
-pub(crate) fn analysis(settings: &RenderSettings) -> Option<Analysis> {
-    settings.analysis.filter(|_| !in_lines(settings, Output::Picture))
 }
 
 /// Sets what an analysis needs. `limit` is the curvature at the end of the scale, if there is one.

@@ -60,6 +60,15 @@ impl Default for RenderSettings {
     }
 }
 
+impl RenderSettings {
+    /// The analysis that a picture shows: only the exact method has one, and red wireframes have none.
+    #[must_use]
+    pub fn shown_analysis(&self) -> Option<Analysis> {
+        let is_red = self.wireframe && self.red_lines;
+        self.analysis.filter(|_| self.method == Method::Exact && !is_red)
+    }
+}
+
 /// The method that decides trims and normals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Method {
