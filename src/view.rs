@@ -30,6 +30,8 @@ mod pick;
 mod pointer;
 #[cfg(feature = "viewer")]
 mod screen;
+#[cfg(feature = "viewer")]
+mod shading;
 mod state;
 mod trims;
 mod undo;

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3, DVec4};
 
-use super::{Degree, MAX_SIDE, Patch, SurfacePoint, bernstein, homogeneous};
+use super::{MAX_SIDE, Patch, SurfacePoint, bernstein, homogeneous};
 
 /// A point of a surface with its first and second derivatives.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,7 +70,8 @@ impl CurvedPoint {
         let (e, f, g) = (du.length_squared(), du.dot(dv), dv.length_squared());
         let cross = du.cross(dv);
         let area = cross.length_squared();
-        if !(area > PARALLEL * PARALLEL * e.max(g) * e.max(g)) {
+        let longest = e.max(g);
+        if area <= PARALLEL * PARALLEL * longest * longest || !area.is_finite() {
             return None;
         }
         let normal = cross / area.sqrt();
@@ -104,17 +105,18 @@ impl Patch<'_> {
 
 /// The Bernstein polynomials of a degree at t, and their first and second derivatives.
 fn orders(degree: usize, t: f64) -> [[f64; MAX_SIDE]; 3] {
+    let n = degree as f64;
     let mut of = [[0.0; MAX_SIDE]; 3];
-    for i in 0..=Degree::MAX.min(degree) {
+    let [values, slopes, bends] = &mut of;
+    for i in 0..=degree {
         // The polynomial of a degree that is lower by `order`, `back` places before i.
         let lower = |order: usize, back: usize| {
             let is_one = degree >= order && i >= back && i - back <= degree - order;
             if is_one { bernstein(degree - order, i - back, t) } else { 0.0 }
         };
-        let n = degree as f64;
-        of[0][i] = bernstein(degree, i, t);
-        of[1][i] = n * (lower(1, 1) - lower(1, 0));
-        of[2][i] = n * (n - 1.0) * (lower(2, 2) - 2.0 * lower(2, 1) + lower(2, 0));
+        values[i] = bernstein(degree, i, t);
+        slopes[i] = n * (lower(1, 1) - lower(1, 0));
+        bends[i] = n * (n - 1.0) * (lower(2, 2) - 2.0 * lower(2, 1) + lower(2, 0));
     }
     of
 }
@@ -124,7 +126,7 @@ mod tests {
     use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
     use super::*;
-    use crate::bezier::NurbsSurface;
+    use crate::bezier::{Degree, NurbsSurface};
     use crate::scene::Surface;
 
     /// A torus whose circles around the axis z are u, as a NURBS surface of 16 patches: exact.
@@ -132,7 +134,7 @@ mod tests {
         let knots: Vec<f64> = [0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4].map(f64::from).to_vec();
         let circle = |i: usize| {
             let (sin, cos) = (i as f64 * FRAC_PI_2 / 2.0).sin_cos();
-            let weight = if i % 2 == 0 { 1.0 } else { FRAC_1_SQRT_2 };
+            let weight = if i.is_multiple_of(2) { 1.0 } else { FRAC_1_SQRT_2 };
             ([cos / weight, sin / weight], weight)
         };
         let points = (0..81).map(|i| {

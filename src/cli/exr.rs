@@ -174,7 +174,7 @@ mod tests {
         for (text, words) in [
             ("depth", ["\"depth\"", "KIND=FILE.exr"]),
             ("", ["\"\"", "KIND=FILE.exr"]),
-            ("colour=x.exr", ["\"colour\"", "uv, position, normal, depth or face"]),
+            ("colour=x.exr", ["\"colour\"", "uv, position, normal, depth, face or curvature"]),
             ("uv=x.png", ["\"x.png\"", ".exr"]),
             ("uv=", ["\"\"", ".exr"]),
             ("uv=.exr", ["\".exr\"", ".exr"]),

@@ -22,19 +22,32 @@ const INK: Rgba<u8> = Rgba([20, 20, 25, 255]);
 /// Draws the scale of an analysis into the lower right corner of a picture, if it has one and there is room. `limit` is
 /// the curvature at the end of the scale, if it shows curvature.
 pub(crate) fn draw(image: &mut Image, analysis: &Analysis, limit: Option<f64>) {
-    let (width, height) = image.dimensions();
-    if width.min(height) < LEAST {
-        return;
-    }
-    let Some(scale) = picture(analysis, limit, height) else { return };
-    let margin = height / 40;
-    let x = width.saturating_sub(scale.width() + margin);
-    let y = height.saturating_sub(scale.height() + margin);
+    let size = image.dimensions();
+    let Some(scale) = for_picture(analysis, limit, size) else { return };
+    let (x, y) = corner(size, scale.dimensions());
     image::imageops::replace(image, &scale, x.into(), y.into());
 }
 
-/// The scale alone, for a picture of so many rows.
-pub(crate) fn picture(analysis: &Analysis, limit: Option<f64>, height: u32) -> Option<Image> {
+/// The upper left corner of a scale in a picture, from the sizes of the picture and of the scale.
+pub(crate) const fn corner((width, height): (u32, u32), scale: (u32, u32)) -> (u32, u32) {
+    let margin = height / 40;
+    (width.saturating_sub(scale.0 + margin), height.saturating_sub(scale.1 + margin))
+}
+
+/// The scale alone, if a picture of that size has one.
+pub(crate) fn for_picture(
+    analysis: &Analysis,
+    limit: Option<f64>,
+    (width, height): (u32, u32),
+) -> Option<Image> {
+    if width.min(height) < LEAST {
+        return None;
+    }
+    picture(analysis, limit, height)
+}
+
+/// The scale for a picture of so many rows.
+fn picture(analysis: &Analysis, limit: Option<f64>, height: u32) -> Option<Image> {
     let colors = analysis.scale_colors()?;
     let (title, end, unit) = match analysis {
         Analysis::Curvature { of, .. } => {
@@ -62,9 +75,9 @@ pub(crate) fn picture(analysis: &Analysis, limit: Option<f64>, height: u32) -> O
     let band = (height / 4 / BANDS).max(2);
     let inside = (bar + gap + longest * advance).max(title.chars().count() as u32 * advance);
     let rows = band * BANDS;
-    let size = (inside + 2 * pad, rows + 2 * line + 2 * pad);
+    let size = (inside + 2 * pad, rows + 2 * line + line / 2 + 2 * pad);
     let mut scale = Image::from_pixel(size.0, size.1, PAPER);
-    let top = pad + line + line / 2;
+    let top = pad + 2 * line;
     for row in 0..rows {
         let value = 1.0 - 2.0 * (f64::from(row / band) + 0.5) / f64::from(BANDS);
         let [red, green, blue] = colors.at(value).map(|channel| (channel * 255.0).round() as u8);

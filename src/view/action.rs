@@ -22,6 +22,8 @@ pub(crate) enum Action {
     Edges,
     /// Lines of equal u and of equal v on or off.
     Isolines,
+    /// The next kind of shading.
+    Shading,
     /// A kind of trims on or off.
     Trim(TrimKind),
     /// Switches to the other method.
@@ -175,6 +177,10 @@ pub(crate) const BINDINGS: &[Binding] = &[
     Binding {
         keys: &[(letter('u'), Action::Isolines)],
         help: "isolines: lines of equal u and of equal v on, off",
+    },
+    Binding {
+        keys: &[(letter('z'), Action::Shading)],
+        help: "shading: zebra, isophotes, curvature, draft, light",
     },
     Binding { keys: &[(letter('c'), Action::Trim(TrimKind::Circle))], help: "circle on, off" },
     Binding { keys: &[(letter('i'), Action::Trim(TrimKind::Rect))], help: "interval on, off" },

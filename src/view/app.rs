@@ -18,12 +18,15 @@ use super::action::Action;
 use super::gl::GlWindow;
 use super::loading::Loading;
 use super::overlay::Overlay;
+use super::panel::Drawn;
 use super::screen::Screen;
+use super::shading::ScaleView;
 use super::state::{Message, Request, State};
 use super::watch::Watch;
 use super::{ViewArguments, files, input, panel};
 use crate::io::input::{LoadArguments, PictureArguments};
 use crate::io::output::{Output, replace};
+use crate::io::scale;
 
 /// A file and a hash of its contents.
 #[derive(Debug, PartialEq)]
@@ -122,6 +125,7 @@ struct Changed;
 /// The window and the objects that belong to it.
 struct Shown {
     // Fields are dropped in this order: OpenGL objects before the context.
+    scale: ScaleView,
     overlay: Overlay,
     screen: Screen,
     gl: GlWindow,
@@ -132,7 +136,8 @@ impl Shown {
     fn new(events: &ActiveEventLoop) -> Result<Self> {
         let gl = GlWindow::new(events, "freeform")?;
         let overlay = Overlay::new(events, gl.gl(), gl.window())?;
-        Ok(Self { overlay, screen: Screen::new(gl.gl())?, gl, title: String::new() })
+        let (scale, screen) = (ScaleView::default(), Screen::new(gl.gl())?);
+        Ok(Self { scale, overlay, screen, gl, title: String::new() })
     }
 }
 
@@ -458,7 +463,10 @@ impl App {
         let Some(shown) = &mut self.window else { return };
         let written =
             shown.screen.bring_and_draw(&mut self.state).map_err(Error::from).and_then(|()| {
-                let image = shown.screen.picture(&self.state)?;
+                let mut image = shown.screen.picture(&self.state)?;
+                if let Some(analysis) = self.state.scene().settings.shown_analysis() {
+                    scale::draw(&mut image, &analysis, shown.screen.curvature_limit(&self.state));
+                }
                 let path = files::new_file(self.state.file().map(PathBuf::as_path), "", "png")?;
                 Output::File(path.clone()).write(&image).inspect_err(|_| {
                     // The file is empty: it only reserved the name.
@@ -494,9 +502,14 @@ impl App {
             }
             shown.gl.begin();
             shown.screen.show();
-            let (stats, ms) = (shown.screen.stats(), shown.screen.ms());
+            let drawn = Drawn {
+                stats: shown.screen.stats(),
+                ms: shown.screen.ms(),
+                curvature_limit: shown.screen.curvature_limit(&self.state),
+            };
             again = shown.overlay.paint(shown.gl.window(), |context| {
-                panel::show(context, &mut self.state, &stats, ms)
+                shown.scale.paint(context, &self.state, drawn.curvature_limit);
+                panel::show(context, &mut self.state, &drawn)
             });
             if !self.state.changed() {
                 break;

@@ -12,19 +12,24 @@ use super::inset::HIGHLIGHT;
 use super::pick::{PICK_PX, on_screen, world_point};
 use super::state::{Cover, Message, State};
 use super::undo::Change;
-use super::{action, inset};
+use super::{action, inset, shading};
 
 const ERROR: Color32 = Color32::from_rgb(255, 110, 90);
 /// Behind names in the colours of lines.
 const PAPER: Color32 = Color32::from_gray(170);
 
+/// The picture that is shown.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Drawn {
+    pub(super) stats: FrameStats,
+    /// How long it took, in milliseconds.
+    pub(super) ms: f64,
+    /// The curvature at the end of its scale, if it shows curvature.
+    pub(super) curvature_limit: Option<f64>,
+}
+
 /// Lays out the overlay; returns the rectangles that receive the mouse.
-pub(super) fn show(
-    context: &Context,
-    state: &mut State,
-    stats: &FrameStats,
-    ms: f64,
-) -> Vec<egui::Rect> {
+pub(super) fn show(context: &Context, state: &mut State, drawn: &Drawn) -> Vec<egui::Rect> {
     let mut covered = Vec::new();
     let height = (context.content_rect().height() - 60.0).max(40.0);
     highlight(context, state);
@@ -37,7 +42,7 @@ pub(super) fn show(
             .default_height(height)
             .max_height(height)
             .vscroll(true);
-        let shown = window.show(context, |ui| contents(ui, state, stats, ms));
+        let shown = window.show(context, |ui| contents(ui, state, drawn));
         covered.extend(shown.map(|shown| shown.response.rect));
     }
     if state.cover == Cover::Help {
@@ -118,12 +123,13 @@ fn help(ui: &mut Ui) {
     });
 }
 
-fn contents(ui: &mut Ui, state: &mut State, stats: &FrameStats, ms: f64) {
-    stats_grid(ui, stats, ms);
+fn contents(ui: &mut Ui, state: &mut State, drawn: &Drawn) {
+    stats_grid(ui, drawn);
     ui.separator();
     method(ui, state);
     fineness(ui, state);
     style(ui, state);
+    shading::show(ui, state, drawn.curvature_limit);
     if state.scene().settings.method == Method::Thesis {
         newton(ui, state);
     }
@@ -139,7 +145,7 @@ fn contents(ui: &mut Ui, state: &mut State, stats: &FrameStats, ms: f64) {
     ui.small("H or F1: help");
 }
 
-fn stats_grid(ui: &mut Ui, stats: &FrameStats, ms: f64) {
+fn stats_grid(ui: &mut Ui, Drawn { stats, ms, .. }: &Drawn) {
     egui::Grid::new("figures").num_columns(2).show(ui, |ui| {
         let bound = stats.largest_bound.map_or("–".into(), |bound| format!("{bound:.3} px"));
         for (name, value) in [

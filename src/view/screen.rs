@@ -101,6 +101,11 @@ impl Screen {
         self.still.as_ref().unwrap_or(&self.target)
     }
 
+    /// The curvature at the end of the scale, if the picture shows curvature.
+    pub(super) fn curvature_limit(&self, state: &State) -> Option<f64> {
+        self.prepared.curvature_limit(&state.scene().settings.shown_analysis()?)
+    }
+
     pub(super) const fn stats(&self) -> FrameStats {
         self.prepared.stats()
     }

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 use freeform_surface::inspect::NewtonTrims;
 use freeform_surface::{
-    Alpha, Camera, Edges, FrameStats, Isolines, Method, Paint, Result, Scene, Smoothing, TessLevel,
-    Tessellation, Tolerance, Trims, ViewProjection,
+    Alpha, Analysis, AnalysisKind, Camera, Edges, FrameStats, Isolines, Method, Paint, Result,
+    Scene, Smoothing, TessLevel, Tessellation, Tolerance, Trims, ViewProjection,
 };
 use glam::{DVec2, dvec2};
 
@@ -91,6 +91,8 @@ pub(crate) struct State {
     edges: Edges,
     /// How isolines were last drawn.
     isolines: Isolines,
+    /// How each analysis was last shown.
+    analyses: [Analysis; 4],
     pub(super) pointer: Pointer,
     history: History,
     /// The number of the last press of a key or button.
@@ -124,6 +126,7 @@ impl State {
             tolerance: Tolerance::default(),
             edges: Edges::default(),
             isolines: Isolines::default(),
+            analyses: AnalysisKind::ALL.map(AnalysisKind::with_defaults),
             pointer: Pointer::default(),
             history: History::default(),
             press: 0,
@@ -302,6 +305,10 @@ impl State {
             }
             Action::Isolines => {
                 self.switch_isolines();
+                Ok(())
+            }
+            Action::Shading => {
+                self.show_next_analysis();
                 Ok(())
             }
             Action::Trim(kind) => {

@@ -251,7 +251,8 @@ fn curvature_is_the_closed_form_of_spheres_and_tori() {
                     along -= distance / gradient.dot(ray);
                 }
                 let (distance, outwards, off) = field(origin + along * ray);
-                if !(distance.abs() < 1e-12) || outwards.dot(ray).abs() < 0.1 {
+                let is_there = distance.abs() < 1e-12;
+                if !is_there || outwards.dot(ray).abs() < 0.1 {
                     continue;
                 }
                 let across = if is_torus { 1.0 / MINOR } else { 1.0 };

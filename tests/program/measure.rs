@@ -247,7 +247,7 @@ fn wrong_tolerances_and_aovs_are_status_2() {
     }
     for (aov, words) in [
         ("uv", ["--aov", "KIND=FILE.exr"]),
-        ("colour=x.exr", ["--aov", "uv, position, normal, depth or face"]),
+        ("colour=x.exr", ["--aov", "uv, position, normal, depth, face or curvature"]),
         ("depth=x.png", ["--aov", ".exr"]),
     ] {
         refused(&folder, &["render", "a.toml", "--aov", aov], 2, &words);

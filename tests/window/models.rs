@@ -72,6 +72,32 @@ fn faces_of_a_dropped_model_are_clicked_hidden_and_shown() {
     screen.quit("Escape");
 }
 
+/// Key Z shows what `freeform render --shading` draws, with its scale.
+#[test]
+fn shadings_are_those_of_pictures() {
+    let folder = Folder::new();
+    let bytes = std::fs::read(resource("models/blade.ffm")).unwrap();
+    let model = folder.write("blade.ffm", bytes);
+    let model = model.to_str().unwrap();
+    let mut screen = Screen::start(&[model]);
+    screen.keys(&["h", "h"]);
+    let lit = screen.picture();
+    for kind in ["zebra", "isophotes", "curvature", "draft"] {
+        screen.keys(&["z"]);
+        let path = folder.path("expected.png");
+        let out = path.to_str().unwrap();
+        let arguments = ["render", model, "--shading", kind, "--resolution", "1000x600", "-o", out];
+        assert!(folder.run(&arguments).status.success());
+        let expected = image::open(&path).unwrap().to_rgba8();
+        let shown = screen.picture();
+        assert!(changed(&lit, &shown) > 20_000, "{kind}");
+        assert_same(&format!("view-{kind}"), &expected, &shown, &[], 0);
+    }
+    screen.keys(&["z"]);
+    assert_same("view-lit-again", &lit, &screen.picture(), &[], 0);
+    screen.quit("Escape");
+}
+
 #[cfg(unix)]
 #[test]
 fn while_a_file_is_read_the_window_stays_alive_and_escape_abandons_it() {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use freeform_surface::{Error, Image, Paint, Result, Scene, Smoothing};
+use freeform_surface::{AnalysisKind, Error, Image, Paint, Result, Scene, Smoothing};
 
 use super::State;
 use crate::view::undo::Change;
@@ -47,6 +47,26 @@ impl State {
     pub(crate) fn switch_isolines(&mut self) {
         let isolines = toggled(self.scene.settings.isolines, &mut self.isolines);
         self.change_settings(|settings| settings.isolines = isolines);
+    }
+
+    /// Shows an analysis as it was last shown, or the light.
+    pub(crate) fn show_analysis(&mut self, kind: Option<AnalysisKind>) {
+        if let Some(shown) = self.scene.settings.analysis
+            && let Some(own) = self.analyses.iter_mut().find(|own| own.kind() == shown.kind())
+        {
+            *own = shown;
+        }
+        let next =
+            kind.and_then(|kind| self.analyses.iter().find(|own| own.kind() == kind).copied());
+        self.change_settings(|settings| settings.analysis = next);
+    }
+
+    /// Shows the next analysis; after the last one, the light.
+    pub(super) fn show_next_analysis(&mut self) {
+        let shown = self.scene.settings.analysis.map(|own| own.kind());
+        let number = |kind| AnalysisKind::ALL.iter().position(|own| *own == kind);
+        let next = shown.and_then(number).map_or(0, |number| number + 1);
+        self.show_analysis(AnalysisKind::ALL.get(next).copied());
     }
 
     /// Switches this smoothing on or off for all meshes.

@@ -1,7 +1,7 @@
 //! The effects of actions and the mouse on a scene, without a window.
 
 use freeform_surface::inspect::measure::Random;
-use freeform_surface::{IsolineCount, Keep, Shading};
+use freeform_surface::{AnalysisChange, AnalysisKind, DraftLimit, IsolineCount, Keep, Shading};
 use glam::Vec3Swizzles as _;
 
 use super::super::action::{BINDINGS, Binding, Side, TrimKind};
@@ -112,6 +112,26 @@ fn isolines_come_back_as_they_were() {
     assert_eq!(state.scene().settings.isolines, None);
     press(&mut state, &[Action::Isolines]);
     assert_eq!(state.scene().settings.isolines, Some(own));
+}
+
+#[test]
+fn shadings_follow_each_other_and_come_back_as_they_were() {
+    let mut state = state();
+    let shown = |state: &State| state.scene().settings.analysis;
+    for kind in AnalysisKind::ALL {
+        press(&mut state, &[Action::Shading]);
+        assert_eq!(shown(&state), Some(kind.with_defaults()));
+    }
+    let limit_degrees = DraftLimit::new(3.0).ok();
+    let change = AnalysisChange { limit_degrees, ..AnalysisChange::default() };
+    let own = AnalysisKind::Draft.with_defaults().changed(&change).unwrap();
+    state.change_settings(|settings| settings.analysis = Some(own));
+    press(&mut state, &[Action::Shading]);
+    assert_eq!(shown(&state), None);
+    press(&mut state, &[Action::Shading; 4]);
+    assert_eq!(shown(&state), Some(own));
+    state.show_analysis(Some(AnalysisKind::Zebra));
+    assert_eq!(shown(&state), Some(AnalysisKind::Zebra.with_defaults()));
 }
 
 #[test]
