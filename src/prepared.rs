@@ -127,7 +127,7 @@ impl PreparedScene {
 
     /// The curvature at the end of the scale of an analysis, if it shows curvature: its own limit, or the one that suits
     /// the scene. The latter is found when the analysis is first drawn, and stays. It is 1, 2 or 5 times a power of ten,
-    /// at least as large as that of 95 % of the area that is curved, from samples.
+    /// at least as large as that of 80 % of the area that is curved, from samples.
     #[must_use]
     pub fn curvature_limit(&self, analysis: &Analysis) -> Option<f64> {
         self.draw_list.curvature_limit(Some(*analysis))

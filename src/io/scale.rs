@@ -19,19 +19,19 @@ const BANDS: u32 = 48;
 const PAPER: Rgba<u8> = Rgba([250, 250, 250, 255]);
 const INK: Rgba<u8> = Rgba([20, 20, 25, 255]);
 
-/// Draws the scale of an analysis into the lower right corner of a picture, if it has one and there is room. `limit` is
+/// Draws the scale of an analysis into the lower left corner of a picture, if it has one and there is room. `limit` is
 /// the curvature at the end of the scale, if it shows curvature.
 pub(crate) fn draw(image: &mut Image, analysis: &Analysis, limit: Option<f64>) {
     let size = image.dimensions();
     let Some(scale) = for_picture(analysis, limit, size) else { return };
-    let (x, y) = corner(size, scale.dimensions());
+    let (x, y) = corner(size.1, scale.height());
     image::imageops::replace(image, &scale, x.into(), y.into());
 }
 
-/// The upper left corner of a scale in a picture, from the sizes of the picture and of the scale.
-pub(crate) const fn corner((width, height): (u32, u32), scale: (u32, u32)) -> (u32, u32) {
+/// The upper left corner of a scale of so many rows in a picture of so many rows.
+pub(crate) const fn corner(height: u32, rows: u32) -> (u32, u32) {
     let margin = height / 40;
-    (width.saturating_sub(scale.0 + margin), height.saturating_sub(scale.1 + margin))
+    (margin, height.saturating_sub(rows + margin))
 }
 
 /// The scale alone, if a picture of that size has one.
@@ -170,7 +170,7 @@ mod tests {
         assert!(image.pixels().all(|pixel| *pixel == grey));
         draw(&mut image, &curvature, Some(0.02));
         let scale = picture(&curvature, Some(0.02), 300).unwrap();
-        let (left, top) = (400 - 7 - scale.width(), 300 - 7 - scale.height());
+        let (left, top) = (7, 300 - 7 - scale.height());
         for (x, y, pixel) in image.enumerate_pixels() {
             let is_inside = (left..left + scale.width()).contains(&x)
                 && (top..top + scale.height()).contains(&y);

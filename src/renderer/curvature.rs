@@ -12,9 +12,9 @@ const SIDE: usize = 4;
 /// Curvature times the size of the surfaces below this counts as none.
 const FLAT: f64 = 1e-6;
 /// The share of the area of what is curved that has at most the curvature of the limit.
-const SHARE: f64 = 0.95;
+const SHARE: f64 = 0.8;
 
-/// 1, 2 or 5 times a power of ten that is at least as large as the curvature of nearly all that is curved.
+/// 1, 2 or 5 times a power of ten that is at least as large as the curvature of most of what is curved.
 pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind) -> f64 {
     let surfaces = || surfaces.iter().map(PreparedSurface::surface).filter(|own| !own.hidden);
     let patches: usize = surfaces().map(|surface| surface.patches().len()).sum();

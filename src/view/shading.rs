@@ -109,7 +109,7 @@ pub(super) struct ScaleView {
 }
 
 impl ScaleView {
-    /// Paints the scale in the lower right corner, under the panel.
+    /// Paints the scale in the lower left corner.
     pub(super) fn paint(&mut self, context: &Context, state: &State, limit: Option<f64>) {
         let size = state.size().as_uvec2();
         let shown = state.scene().settings.shown_analysis();
@@ -126,7 +126,7 @@ impl ScaleView {
         }
         let Some(texture) = &self.texture else { return };
         let [width, height] = texture.size();
-        let (x, y) = scale::corner(size.into(), (width as u32, height as u32));
+        let (x, y) = scale::corner(state.size().as_uvec2().y, height as u32);
         let point = context.pixels_per_point();
         let place = |x: f32, y: f32| pos2(x / point, y / point);
         let first = place(x as f32, y as f32);
