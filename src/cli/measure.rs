@@ -208,7 +208,8 @@ impl<'a> Bench<'a> {
                 let image =
                     prepared.picture(&mut self.renderer, &self.picture, &frame, |_, _| {})?;
                 let limit = prepared.curvature_limit(&analysis).unwrap_or(1.0);
-                Some(measure_analysis(scene, &frame.camera, (&analysis, limit), &aovs, &image))
+                let shown = (&analysis, limit);
+                Some(measure_analysis(scene, &frame.camera, shown, &aovs, &image).0)
             }
         };
         Ok(View {

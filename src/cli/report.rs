@@ -10,6 +10,7 @@ mod peers;
 mod plot;
 mod row;
 mod scaling;
+mod shading;
 mod stability;
 mod summary;
 mod tessellation;
@@ -49,6 +50,8 @@ pub(super) enum Topic {
     Peers,
     /// CAD models.
     Models,
+    /// Zebra on surfaces and meshes.
+    Shading,
 }
 
 impl Topic {
@@ -61,6 +64,7 @@ impl Topic {
             Self::Stability => stability::section(bench),
             Self::Peers => peers::section(bench),
             Self::Models => models::section(bench),
+            Self::Shading => shading::section(bench),
         }
     }
 }

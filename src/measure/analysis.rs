@@ -2,6 +2,8 @@
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4, dvec2};
 
+use image::Rgba;
+
 use crate::aov::Aovs;
 use crate::bezier::CurvedPoint;
 use crate::camera::ViewProjection;
@@ -46,7 +48,7 @@ impl AnalysisErrors {
 
 /// Compares the picture of an analysis with the true surfaces of the scene, in `f64`. `aovs` tell which surface each pixel
 /// shows, and about where; the picture and they have one sample per pixel. `limit` is the curvature at the end of the
-/// scale.
+/// scale. Also returns the picture as it should be; pixels without a surface are transparent in it.
 ///
 /// # Panics
 /// If the pictures have different sizes.
@@ -57,39 +59,48 @@ pub fn measure_analysis(
     (analysis, limit): (&Analysis, f64),
     aovs: &Aovs,
     image: &Image,
-) -> AnalysisErrors {
+) -> (AnalysisErrors, Image) {
     assert_eq!(aovs.size, image.dimensions(), "sizes of the picture and its AOVs");
     let judge = Judge::new(scene, camera, analysis, limit, aovs);
     let (width, height) = aovs.size;
     let rows = parallel::map(height as usize, |row| {
         let mut errors = AnalysisErrors::default();
-        for column in 0..width as usize {
+        let mut colors = vec![[0; 4]; width as usize];
+        for (column, color) in colors.iter_mut().enumerate() {
             let i = row * width as usize + column;
             if aovs.uv[i][3] == 0.0 {
                 continue;
             }
-            match judge.look(i, dvec2(column as f64 + 0.5, row as f64 + 0.5)) {
-                None => errors.beside += 1,
-                Some(Look::Border) => errors.at_borders += 1,
-                Some(Look::Inside(color)) => {
-                    let pixel = image.get_pixel(column as u32, row as u32).0;
-                    let is_off = (0..3).any(|channel| pixel[channel].abs_diff(color[channel]) > 1);
-                    errors.compared += 1;
-                    errors.wrong += usize::from(is_off);
-                }
-            }
+            let center = dvec2(column as f64 + 0.5, row as f64 + 0.5);
+            let Some(Look { color: [red, green, blue], at_border }) = judge.look(i, center) else {
+                errors.beside += 1;
+                continue;
+            };
+            *color = [red, green, blue, 255];
+            let pixel = image.get_pixel(column as u32, row as u32).0;
+            let is_off = pixel.iter().zip(*color).any(|(a, b)| a.abs_diff(b) > 1);
+            errors.at_borders += usize::from(at_border);
+            errors.compared += usize::from(!at_border);
+            errors.wrong += usize::from(!at_border && is_off);
         }
-        errors
+        (errors, colors)
     });
-    rows.iter().fold(AnalysisErrors::default(), |sum, row| sum.merge(row))
+    let mut all = AnalysisErrors::default();
+    let mut expected = Image::new(width, height);
+    for (row, (errors, colors)) in rows.iter().enumerate() {
+        all = all.merge(errors);
+        for (column, color) in colors.iter().enumerate() {
+            expected.put_pixel(column as u32, row as u32, Rgba(*color));
+        }
+    }
+    (all, expected)
 }
 
 /// What the true surface shows at a pixel.
-enum Look {
-    /// A stripe ends there.
-    Border,
-    /// A colour.
-    Inside([u8; 3]),
+struct Look {
+    color: [u8; 3],
+    /// Whether a stripe ends there.
+    at_border: bool,
 }
 
 struct Judge<'a> {
@@ -125,15 +136,18 @@ impl<'a> Judge<'a> {
     /// `None` if no surface with a normal is there.
     fn look(&self, i: usize, center: DVec2) -> Option<Look> {
         let shown = self.shown(i, center)?;
-        if let Shown::Stripes(place) = shown {
-            let is_same = |other: Shown| matches!(other, Shown::Stripes(other) if other.floor() == place.floor());
-            for step in [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y] {
-                if !self.shown(i, center + NEAR_PX * step).is_some_and(is_same) {
-                    return Some(Look::Border);
-                }
+        let at_border = match shown {
+            Shown::Scale(_) => false,
+            Shown::Stripes(place) => {
+                let is_other = |other: Option<Shown>| {
+                    let same = |other| matches!(other, Shown::Stripes(other) if other.floor() == place.floor());
+                    !other.is_some_and(same)
+                };
+                let steps = [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y];
+                steps.into_iter().any(|step| is_other(self.shown(i, center + NEAR_PX * step)))
             }
-        }
-        Some(Look::Inside(shown.color(self.analysis)))
+        };
+        Some(Look { color: shown.color(self.analysis), at_border })
     }
 
     /// What is shown at a place of the picture, near the centre of a pixel.

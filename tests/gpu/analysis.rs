@@ -100,7 +100,8 @@ fn judged(stage: &mut Stage, scene: &Scene, analysis: Analysis) -> (AnalysisErro
     let image = stage.picture(&mut prepared, &frame);
     let aovs = stage.aovs(&mut prepared, &frame);
     let limit = prepared.curvature_limit(&analysis).unwrap_or(1.0);
-    (measure_analysis(&scene, &frame.camera, (&analysis, limit), &aovs, &image), image)
+    let shown = (&analysis, limit);
+    (measure_analysis(&scene, &frame.camera, shown, &aovs, &image).0, image)
 }
 
 fn stripes(kind: AnalysisKind, count: i64, direction: DVec3) -> Analysis {

@@ -50,6 +50,22 @@ fn peers_are_measured_beside_exact_or_named_as_missing() {
     }
 }
 
+#[test]
+fn zebra_is_right_on_the_surface_and_wrong_on_its_mesh() {
+    let rows = rows(&Folder::new(), "shading");
+    for scene in ["teapot", "teapot, close-up"] {
+        let share = |method: &str| {
+            let of = |row: &&serde_json::Value| row["scene"] == scene && row["method"] == method;
+            let row = rows.iter().find(of).expect(method);
+            let [wrong, all] = ["wrong_pixels", "pixels"].map(|key| row[key].as_f64().unwrap());
+            assert!(all > 10_000.0, "{row}");
+            wrong / all
+        };
+        let (exact, mesh) = (share("exact"), share("static mesh"));
+        assert!(exact <= 1e-3 && mesh > 5.0 * exact, "{scene}: {exact} {mesh}");
+    }
+}
+
 /// A real STEP file, if it and the program that reads it are there.
 fn step_file() -> Option<String> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/cad/io1-cm-214.stp");

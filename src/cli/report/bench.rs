@@ -293,6 +293,21 @@ impl Bench {
         Ok(measure_drawn(scene, &frame.camera, &aovs))
     }
 
+    /// A picture of static triangles in the view and the style of a scene, and its AOVs.
+    pub(super) fn static_picture(
+        &mut self,
+        mesh: &StaticMesh,
+        style: &StaticStyle<'_>,
+        scene: &Scene,
+    ) -> Result<(Image, Aovs)> {
+        let frame = self.frame(scene);
+        let aovs = self.renderer.static_aovs(mesh, style, &self.numbers, &frame)?;
+        self.picture.bind();
+        self.renderer.clear(frame.settings.background);
+        self.renderer.draw_static(mesh, style, &frame)?;
+        Ok((self.picture.read(), aovs))
+    }
+
     /// The corners of the triangles that a scene is drawn with.
     pub(super) fn triangles(&mut self, scene: &Scene) -> Result<Vec<DrawnVertex>> {
         self.picture.bind();

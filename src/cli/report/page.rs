@@ -30,7 +30,7 @@ figure { margin: 0 } figcaption { font-size: .8rem; overflow-wrap: anywhere }
 type Cell = fn(&Row) -> Option<String>;
 
 /// The columns of the tables: the title, and the text of a row's cell.
-const COLUMNS: [(&str, Cell); 20] = [
+const COLUMNS: [(&str, Cell); 21] = [
     ("scene", |row| Some(row.scene.clone())),
     ("method", |row| Some(row.method.clone())),
     ("level", |row| row.level.map(|v| v.to_string())),
@@ -46,6 +46,7 @@ const COLUMNS: [(&str, Cell); 20] = [
     ("RMS error, px", |row| row.rms_error_px.map(|v| format!("{v:.4}"))),
     ("normals off, °", |row| row.normal_error_deg.map(|v| format!("{v:.2}"))),
     ("wrong pixels", |row| row.wrong_pixels.map(|v| v.to_string())),
+    ("of pixels", |row| row.pixels.map(|v| v.to_string())),
     ("silhouette pixels", |row| row.silhouette_pixels.map(|v| v.to_string())),
     ("distance", |row| row.max_error.map(|v| format!("{v:.6}"))),
     ("memory, MB", |row| row.memory.map(|v| format!("{:.1}", v as f64 / 1e6))),

@@ -27,6 +27,8 @@ pub(super) struct Row {
     pub(super) rms_error_px: Option<f64>,
     pub(super) normal_error_deg: Option<f64>,
     pub(super) wrong_pixels: Option<usize>,
+    /// The pixels among which the wrong ones were counted, where these are not all.
+    pub(super) pixels: Option<usize>,
     /// The distance of the furthest wrong pixel from the border that it is on the wrong side of, in pixels.
     pub(super) max_wrong_distance: Option<f64>,
     /// Pixels along the silhouette that are wrongly drawn or wrongly missing.
