@@ -1,6 +1,6 @@
 //! The end of a scale of curvature that suits the surfaces.
 
-use glam::{DMat3, DVec2};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::PreparedSurface;
 use crate::scene::CurvatureKind;
@@ -16,33 +16,29 @@ const SHARE: f64 = 0.8;
 
 /// 1, 2 or 5 times a power of ten that is at least as large as the curvature of most of what is curved.
 pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind) -> f64 {
-    let surfaces = || surfaces.iter().map(PreparedSurface::surface).filter(|own| !own.hidden);
-    let patches: usize = surfaces().map(|surface| surface.patches().len()).sum();
-    let stride = (patches * SIDE * SIDE / PLACES).max(1);
-    let (mut low, mut high) = (glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY);
+    let patches = surfaces
+        .iter()
+        .map(PreparedSurface::surface)
+        .filter(|surface| !surface.hidden)
+        .flat_map(|surface| surface.patches().enumerate().map(move |patch| (surface, patch)));
+    let stride = (patches.clone().count() * SIDE * SIDE / PLACES).max(1);
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     // Curvature and area.
     let mut found: Vec<(f64, f64)> = Vec::new();
-    for surface in surfaces() {
+    for (surface, (number, patch)) in patches.step_by(stride) {
         let to_world = DMat3::from_mat4(surface.transform);
-        for (number, patch) in surface.patches().enumerate().step_by(stride) {
-            let [first, last] = surface.patch_domain(number);
-            for i in 0..SIDE * SIDE {
-                let share = (DVec2::new((i % SIDE) as f64, (i / SIDE) as f64) + 0.5) / SIDE as f64;
-                if surface.trims.cut(first + share * (last - first)) {
-                    continue;
-                }
-                let here = patch.curved(share.x, share.y);
-                let position = surface.transform.transform_point3(here.at.position);
-                (low, high) = (low.min(position), high.max(position));
-                let here = here.mapped(&to_world);
-                let Some(curvature) = here.curvature() else { continue };
-                let value = match kind {
-                    CurvatureKind::Gaussian => curvature.gaussian,
-                    CurvatureKind::Mean => curvature.mean,
-                    CurvatureKind::Largest => curvature.largest(),
-                };
-                found.push((value.abs(), here.at.du.cross(here.at.dv).length()));
+        let [first, last] = surface.patch_domain(number);
+        for i in 0..SIDE * SIDE {
+            let share = (DVec2::new((i % SIDE) as f64, (i / SIDE) as f64) + 0.5) / SIDE as f64;
+            if surface.trims.cut(first + share * (last - first)) {
+                continue;
             }
+            let here = patch.curved(share.x, share.y);
+            let position = surface.transform.transform_point3(here.at.position);
+            (low, high) = (low.min(position), high.max(position));
+            let here = here.mapped(&to_world);
+            let Some(curvature) = here.curvature() else { continue };
+            found.push((kind.of(&curvature, 1.0).abs(), here.at.du.cross(here.at.dv).length()));
         }
     }
     let size = (high - low).length();

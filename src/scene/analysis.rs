@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use crate::bezier::SurfaceCurvature;
 use crate::error::{Error, Result};
 
 /// What a picture shows of surfaces in place of their light and colour, by the exact method. Each pixel, or each sample
@@ -279,6 +280,17 @@ impl CurvatureKind {
             Self::Gaussian => "gaussian",
             Self::Mean => "mean",
             Self::Largest => "largest",
+        }
+    }
+}
+
+impl CurvatureKind {
+    /// Its value at a point whose visible side is that of Su × Sv (1) or the other one (−1).
+    pub(crate) fn of(self, curvature: &SurfaceCurvature, side: f64) -> f64 {
+        match self {
+            Self::Gaussian => curvature.gaussian,
+            Self::Mean => side * curvature.mean,
+            Self::Largest => side * curvature.largest(),
         }
     }
 }

@@ -60,11 +60,7 @@ impl CurvaturePaint<'_> {
         let to_eye = self.eye.truncate() - self.eye.w * position;
         let seen = mapped.at.du.cross(mapped.at.dv).dot(to_eye);
         let side = if seen < 0.0 { -1.0 } else { 1.0 };
-        let value = mapped.curvature().map_or(0.0, |curvature| match self.kind {
-            CurvatureKind::Gaussian => curvature.gaussian,
-            CurvatureKind::Mean => side * curvature.mean,
-            CurvatureKind::Largest => side * curvature.largest(),
-        });
+        let value = mapped.curvature().map_or(0.0, |curvature| self.kind.of(&curvature, side));
         Analysis::CURVATURE_COLORS.at(value / self.limit).map(|c| (c * 255.0).round() as u8)
     }
 }
