@@ -1,8 +1,8 @@
 // The true surface at a pixel: its normal, or with CURVATURE its curvature (twin of src/bezier/curvature.rs).
 //
 // The triangle tells about where on the patch a pixel is: the point there is seen up to the tolerance beside the pixel.
-// Curvature is evaluated again where a step of Newton's method leads. For normals it is enough to know how they change
-// from pixel to pixel, which costs less.
+// Curvature, and normals for draft, are evaluated again where a step of Newton's method leads. For stripes it is enough to
+// know how normals change from pixel to pixel, which costs less.
 //
 // Control points are relative to one of the patch. So f32 resolves derivatives as well in a surface of many patches as in
 // a single one (src/renderer/points.rs).
@@ -16,9 +16,7 @@ vec3 originOf(POINT firstPoint)
     return (first.xyz - firstPoint.xyz) / first.w;
 }
 
-#ifdef CURVATURE
-// Curvatures beyond this are not told apart.
-const float LARGEST = 1e30;
+#if defined(CURVATURE) || defined(DRAFT)
 // Steps of Newton's method. One is enough for colours.
 #ifdef CURVATURE_AOV
 const int STEPS = 4;
@@ -43,12 +41,9 @@ vec2 stepToPixel(Seen here)
     return here.isBefore && size > 0.0 && size < 1e37 ? numerators * (sign(area) * most / size) : vec2(0.0);
 }
 
-// The Gaussian curvature, the mean curvature and half of the difference of the principal curvatures at a pixel, in the
-// world's unit, and the unit normal Su × Sv in view space. The mean is above 0 where the surface bends towards this normal.
-vec3 curvatureAt(vec2 uv, out vec3 normal)
+// The (u, v) of the patch that are seen at the pixel, from those of the triangle.
+vec2 uvAtPixel(PATCH points, vec2 uv)
 {
-    PATCH points;
-    fetchPatch(firstPointOfPixel() + localPoints, points);
     vec3 origin = originOf(pointOf(points, 0));
     for (int i = 0; i < STEPS; ++i) {
         vec4 point;
@@ -61,6 +56,21 @@ vec3 curvatureAt(vec2 uv, out vec3 normal)
 #endif
         uv += stepToPixel(see(MATRIX(toClip, 0), point, du, dv));
     }
+    return uv;
+}
+#endif
+
+#ifdef CURVATURE
+// Curvatures beyond this are not told apart.
+const float LARGEST = 1e30;
+
+// The Gaussian curvature, the mean curvature and half of the difference of the principal curvatures at a pixel, in the
+// world's unit, and the unit normal Su × Sv in view space. The mean is above 0 where the surface bends towards this normal.
+vec3 curvatureAt(vec2 uv, out vec3 normal)
+{
+    PATCH points;
+    fetchPatch(firstPointOfPixel() + localPoints, points);
+    uv = uvAtPixel(points, uv);
     Curved at = evaluateCurved(points, uv);
 #ifdef DEGENERATE
     // At a pole, where a tangent vanishes, the curvature is that of a place nearby.
@@ -99,6 +109,9 @@ vec3 normalAt(vec2 uv)
 {
     PATCH points;
     fetchPatch(firstPointOfPixel() + localPoints, points);
+#ifdef DRAFT
+    uv = uvAtPixel(points, uv);
+#endif
 #ifdef DEGENERATE
     Curved at = evaluateCurved(points, uv);
     vec4 point = at.point;
@@ -112,10 +125,14 @@ vec3 normalAt(vec2 uv)
     vec3 normal = mat3(MATRIX(normalToView, 8)) * crossed;
     float size = dot(normal, normal);
     normal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
+#ifdef DRAFT
+    return normal;
+#else
     vec4 clip = MATRIX(toClip, 0) * (point + vec4(originOf(pointOf(points, 0)) * point.w, 0.0));
     // How many pixels it is to where the point is seen.
     vec2 off = pixelPlace() - viewport.zw * clip.xy / clip.w;
     off = clip.w > 0.0 ? clamp(off, -4.0, 4.0) : vec2(0.0);
     return normal + off.x * dFdxFine(normal) + off.y * dFdyFine(normal);
+#endif
 }
 #endif

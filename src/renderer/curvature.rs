@@ -16,16 +16,15 @@ const SHARE: f64 = 0.8;
 
 /// 1, 2 or 5 times a power of ten that is at least as large as the curvature of most of what is curved.
 pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind) -> f64 {
-    let patches = surfaces
-        .iter()
-        .map(PreparedSurface::surface)
-        .filter(|surface| !surface.hidden)
-        .flat_map(|surface| surface.patches().enumerate().map(move |patch| (surface, patch)));
-    let stride = (patches.clone().count() * SIDE * SIDE / PLACES).max(1);
+    let patches = || {
+        let shown = surfaces.iter().map(PreparedSurface::surface).filter(|own| !own.hidden);
+        shown.flat_map(|own| own.patches().enumerate().map(move |patch| (own, patch)))
+    };
+    let stride = (patches().count() * SIDE * SIDE / PLACES).max(1);
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     // Curvature and area.
     let mut found: Vec<(f64, f64)> = Vec::new();
-    for (surface, (number, patch)) in patches.step_by(stride) {
+    for (surface, (number, patch)) in patches().step_by(stride) {
         let to_world = DMat3::from_mat4(surface.transform);
         let [first, last] = surface.patch_domain(number);
         for i in 0..SIDE * SIDE {

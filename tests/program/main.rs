@@ -8,4 +8,5 @@ mod light;
 mod measure;
 mod models;
 mod report;
+mod shading;
 mod smooth;
