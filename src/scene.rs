@@ -251,20 +251,23 @@ impl Scene {
     /// A camera that sees the whole scene, for pictures of `aspect` (width over height).
     #[must_use]
     pub fn framed(&self, aspect: f64) -> Camera {
+        let points = self.shown_points();
+        let points = points.iter().copied();
         match self.viewpoint {
-            Viewpoint::Front => Camera::framing(self.shown_points(), self.up, aspect),
-            Viewpoint::Isometric => Camera::isometric(self.shown_points(), self.up, aspect),
+            Viewpoint::Front => Camera::framing(points, self.up, aspect),
+            Viewpoint::Isometric => Camera::isometric(points, self.up, aspect),
         }
     }
 
     /// A camera that looks the same way and sees the whole scene.
     #[must_use]
     pub fn fitted(&self, camera: &Camera, aspect: f64) -> Camera {
-        camera.fitted(self.shown_points(), aspect)
+        camera.fitted(self.shown_points().iter().copied(), aspect)
     }
 
-    /// Points in world space that show the extent of the scene.
-    fn shown_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+    /// Points in world space that show the extent of the scene. A camera is fitted to them in several steps, so they are
+    /// computed once.
+    fn shown_points(&self) -> Vec<DVec3> {
         // If there are few patches, each needs many samples to show its shape; if there are many, each needs few.
         const SAMPLES: usize = 4_000;
         let surfaces = self.surfaces.iter().filter(|surface| !surface.hidden);
@@ -276,5 +279,6 @@ impl Scene {
         points
             .chain(self.meshes.iter().flat_map(MeshModel::samples))
             .chain(control_points.take(shown))
+            .collect()
     }
 }
