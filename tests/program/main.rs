@@ -3,6 +3,8 @@
 #[path = "../harness/mod.rs"]
 mod harness;
 
+mod batch;
+mod batch_kills;
 mod commands;
 mod light;
 mod measure;
