@@ -6,6 +6,7 @@ mod harness;
 mod batch;
 mod batch_kills;
 mod commands;
+mod frames;
 mod light;
 mod measure;
 mod models;

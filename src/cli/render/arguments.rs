@@ -5,8 +5,12 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use freeform_surface::glam::DVec3;
 use sha2::{Digest as _, Sha256};
+
+/// The largest number of a frame.
+const MAX_FRAME: i64 = 9_999_999;
 
 #[derive(Debug, Args)]
 pub(in crate::cli) struct BatchArguments {
@@ -42,6 +46,20 @@ pub(in crate::cli) struct BatchArguments {
     #[arg(long, value_name = "FILE.jsonl")]
     pub(super) log: Option<PathBuf>,
 
+    /// Draw this many pictures of each scene, of a camera that goes once around it; their names end in the number of the
+    /// frame, from -0001 on.
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=MAX_FRAME))]
+    pub(super) turntable: Option<u32>,
+
+    /// The axis that the camera goes around: x, y or z. By default the axis that is vertical in the scene.
+    #[arg(long, value_name = "AXIS", requires = "turntable")]
+    pub(super) axis: Option<Axis>,
+
+    /// Draw the frames A to B: of the turntable, or of the scene's [[camera_key]] tables, whose times are numbers of
+    /// frames.
+    #[arg(long, value_name = "A-B")]
+    pub(super) frames: Option<FrameRange>,
+
     /// Draw what standard input asks for, one line of JSON for each picture.
     #[arg(long, hide = true)]
     pub(super) worker: bool,
@@ -50,14 +68,55 @@ pub(in crate::cli) struct BatchArguments {
 impl BatchArguments {
     /// Whether any of them is given.
     pub(super) const fn is_used(&self) -> bool {
-        let Self { list, recursive, jobs, timeout, shard, resume, log, worker: _ } = self;
-        list.is_some()
+        let Self { list, recursive, jobs, timeout, shard, resume, log, worker: _, .. } = self;
+        let Self { turntable, axis: _, frames, .. } = self;
+        turntable.is_some()
+            || frames.is_some()
+            || list.is_some()
             || *recursive
             || jobs.is_some()
             || timeout.is_some()
             || shard.is_some()
             || *resume
             || log.is_some()
+    }
+}
+
+/// An axis of world space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+impl Axis {
+    pub(super) const fn direction(self) -> DVec3 {
+        match self {
+            Self::X => DVec3::X,
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+}
+
+/// Frames with no gap between them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct FrameRange {
+    pub(super) first: u32,
+    pub(super) last: u32,
+}
+
+impl FromStr for FrameRange {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let range = first.parse().ok().zip(last.parse().ok());
+        range
+            .map(|(first, last)| Self { first, last })
+            .filter(|range| range.first <= range.last && i64::from(range.last) <= MAX_FRAME)
+            .ok_or("expected A-B, two whole numbers from 0 to 9999999, A at most B")
     }
 }
 
@@ -125,13 +184,18 @@ mod tests {
     }
 
     #[test]
-    fn wrong_shards_and_times_are_refused() {
+    fn wrong_shards_frames_and_times_are_refused() {
         for text in ["", "1", "0/3", "4/3", "1/0", "-1/3", "a/b", "1/3/5"] {
             assert!(text.parse::<Shard>().is_err(), "{text}");
         }
         for text in ["", "0", "-1", "nan", "inf", "1e10"] {
             assert!(seconds(text).is_err(), "{text}");
         }
+        for text in ["", "1-", "-1", "2-1", "1-2-3", "1-10000000", "a-b"] {
+            assert!(text.parse::<FrameRange>().is_err(), "{text}");
+        }
+        assert_eq!("7".parse(), Ok(FrameRange { first: 7, last: 7 }));
+        assert_eq!("0-12".parse(), Ok(FrameRange { first: 0, last: 12 }));
         assert_eq!(seconds("0.5"), Ok(Duration::from_millis(500)));
     }
 }

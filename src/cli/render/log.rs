@@ -21,6 +21,8 @@ pub(super) struct Log {
 struct Line<'a> {
     input: &'a str,
     output: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frame: Option<u32>,
     #[serde(flatten)]
     report: &'a Report,
 }
@@ -54,7 +56,7 @@ impl Log {
     /// It cannot be written.
     pub(super) fn add(&mut self, picture: &Picture, report: &Report) -> Result<()> {
         let (input, output) = (picture.input.to_string_lossy(), picture.output.to_string_lossy());
-        let line = Line { input: &input, output: &output, report };
+        let line = Line { input: &input, output: &output, frame: picture.frame, report };
         serde_json::to_vec(&line)
             .map_err(Into::into)
             .and_then(|mut line| {
@@ -74,7 +76,8 @@ mod tests {
     fn a_torn_line_stays_alone() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("log.jsonl");
-        let picture = Picture { input: "a.toml".into(), output: "a.png".into(), fault: None };
+        let picture =
+            Picture { input: "a.toml".into(), output: "a.png".into(), frame: None, fault: None };
         std::fs::write(&path, "{\"input\":\"b.to").unwrap();
         for _ in 0..2 {
             Log::open(&path).unwrap().add(&picture, &Report::of(Status::Kept)).unwrap();

@@ -13,6 +13,8 @@ pub(super) enum Task {
         input: PathBuf,
         /// The picture's file.
         output: PathBuf,
+        /// Of a moving camera.
+        frame: Option<u32>,
     },
     /// Name the files that a scene is read from.
     Survey(PathBuf),

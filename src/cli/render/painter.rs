@@ -9,7 +9,7 @@ use freeform_surface::{
     PreparedScene, Scene, Tessellation,
 };
 
-use super::RenderArguments;
+use super::{BatchArguments, RenderArguments};
 use crate::cli::exr::AovFile;
 use crate::io::output::Output;
 
@@ -52,6 +52,14 @@ pub(super) fn settings_text(arguments: &RenderArguments) -> String {
         "{resolution:?} {up:?} {crease:?} {style:?} {smoothing:?} {samples:?} {wireframe:?} \
          {control_points:?} {picture:?}"
     )
+}
+
+/// What on the command line changes the picture of a frame of a moving camera, as a text.
+pub(super) fn frame_text(frame: u32, batch: &BatchArguments) -> String {
+    match batch.turntable {
+        Some(frames) => format!("turntable {frame}/{frames} {:?}", batch.axis),
+        None => format!("frame {frame}"),
+    }
 }
 
 /// The times of the steps of one picture.

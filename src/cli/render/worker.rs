@@ -9,12 +9,15 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::io::output::{Output, encode, replace};
 use crate::io::{Error, Result};
-use freeform_surface::{Frame, FrameStats, LoadOptions, Scene};
+use freeform_surface::{Camera, Frame, FrameStats, LoadOptions, PreparedScene, Scene, Turntable};
 
-use super::RenderArguments;
+use super::arguments::Axis;
 use super::messages::{Milliseconds, Reply, Report, Status, Task};
-use super::painter::{Painter, Times, override_settings, settings_text, unmet_tolerance};
+use super::painter::{
+    Painter, Times, frame_text, override_settings, settings_text, unmet_tolerance,
+};
 use super::record::{Digests, Record};
+use super::{BatchArguments, RenderArguments};
 
 /// Answers the tasks of standard input until it ends.
 ///
@@ -73,6 +76,8 @@ fn end_at_once() {
 }
 
 struct Worker<'a> {
+    /// The scene of the last frame of a moving camera.
+    loaded: Option<Loaded>,
     arguments: &'a RenderArguments,
     options: LoadOptions,
     settings: String,
@@ -86,6 +91,7 @@ impl<'a> Worker<'a> {
     fn new(arguments: &'a RenderArguments) -> Result<Self> {
         let painter = Painter::new(arguments.backend, arguments.resolution, arguments.verbose)?;
         Ok(Self {
+            loaded: None,
             arguments,
             // Several workers cannot share one line of the terminal.
             options: LoadOptions { progress: None, ..arguments.load.options() },
@@ -102,39 +108,45 @@ impl<'a> Worker<'a> {
                 let scene = Scene::load_with(input, &self.options);
                 Reply::Files(scene.map_or_else(|_| Vec::new(), |scene| scene.files))
             }
-            Task::Draw { input, output } => {
+            Task::Draw { input, output, frame } => {
                 if self.last_input != *input {
                     self.digests.clear();
                     self.last_input.clone_from(input);
                 }
-                Reply::Done(self.picture(input, output).unwrap_or_else(Report::failed))
+                Reply::Done(self.picture(input, output, *frame).unwrap_or_else(Report::failed))
             }
         }
     }
 
-    fn picture(&mut self, input: &Path, output: &Path) -> Result<Report> {
-        if self.arguments.batch.resume
-            && Record::holds(input, output, &self.settings, &mut self.digests)
+    fn picture(&mut self, input: &Path, output: &Path, frame: Option<u32>) -> Result<Report> {
+        let mut settings = self.settings.clone();
+        if let Some(frame) = frame {
+            settings = format!("{settings} {}", frame_text(frame, &self.arguments.batch));
+        }
+        if self.arguments.batch.resume && Record::holds(input, output, &settings, &mut self.digests)
         {
             return Ok(Report::of(Status::Kept));
         }
         forget_peak_memory();
-        let (start, clock) = (SystemTime::now(), Instant::now());
-        let mut scene = Scene::load_with(input, &self.options)?;
-        override_settings(&mut scene, input, self.arguments)?;
-        let mut times = Times { load: clock.elapsed(), ..Times::default() };
+        let mut times = Times::default();
+        // Frames of one scene mostly follow each other.
+        let mut loaded = match self.loaded.take() {
+            Some(loaded) if loaded.input == input => loaded,
+            _ => self.load(input, &mut times)?,
+        };
         let target = Output::File(output.to_owned());
-        target.check_keeps(&scene.files)?;
-
-        let mut prepared = self.painter.upload(&scene, &mut times)?;
-        let frame = Frame::of(&scene, self.painter.size());
-        let image = self.painter.draw(&mut prepared, &frame, &mut times, || {})?;
+        target.check_keeps(&loaded.scene.files)?;
+        if let Some(frame) = frame {
+            loaded.move_camera(frame, &self.arguments.batch, self.painter.size())?;
+        }
+        let Loaded { scene, prepared, start, .. } = &mut loaded;
+        let view = Frame::of(scene, self.painter.size());
+        let image = self.painter.draw(prepared, &view, &mut times, || {})?;
 
         let clock = Instant::now();
         let bytes = encode(&image).map_err(|error| Error::file("write", output, error))?;
         let digests = &mut self.digests;
-        let settings = self.settings.clone();
-        let record = Record::new(input, &scene.files, start, settings, &bytes, digests)?;
+        let record = Record::new(input, &scene.files, *start, settings, &bytes, digests)?;
         // The record comes first: the other way round, a picture without a record might be somebody else's.
         if let Some(record) = record {
             record.write(output)?;
@@ -144,14 +156,67 @@ impl<'a> Worker<'a> {
         times.write = clock.elapsed();
         self.painter.print_details(&times);
         let FrameStats { triangles, largest_bound, .. } = times.stats;
-        Ok(Report {
-            warning: unmet_tolerance(&target, &scene, &times.stats),
+        let report = Report {
+            warning: unmet_tolerance(&target, scene, &times.stats),
             ms: Some(milliseconds(&times)),
             triangles: Some(triangles),
             largest_bound,
             peak_memory: peak_memory(),
             ..Report::of(Status::Made)
-        })
+        };
+        self.loaded = frame.map(|_| loaded);
+        Ok(report)
+    }
+
+    fn load(&mut self, input: &Path, times: &mut Times) -> Result<Loaded> {
+        let (start, clock) = (SystemTime::now(), Instant::now());
+        let mut scene = Scene::load_with(input, &self.options)?;
+        override_settings(&mut scene, input, self.arguments)?;
+        times.load = clock.elapsed();
+        let prepared = self.painter.upload(&scene, times)?;
+        let (input, still) = (input.to_owned(), scene.camera);
+        Ok(Loaded { input, scene, prepared, start, still, turntable: None })
+    }
+}
+
+/// A scene that is ready to be drawn.
+struct Loaded {
+    input: PathBuf,
+    scene: Scene,
+    prepared: PreparedScene,
+    /// When it began to be read.
+    start: SystemTime,
+    /// The scene's own camera.
+    still: Option<Camera>,
+    turntable: Option<Turntable>,
+}
+
+impl Loaded {
+    /// Gives the scene the camera of a frame.
+    fn move_camera(
+        &mut self,
+        frame: u32,
+        batch: &BatchArguments,
+        (width, height): (u32, u32),
+    ) -> Result<()> {
+        self.scene.camera = self.still;
+        let camera = match batch.turntable {
+            Some(frames) => {
+                let axis = batch.axis.map_or(self.scene.up, Axis::direction);
+                let aspect = f64::from(width) / f64::from(height);
+                let table =
+                    self.turntable.get_or_insert_with(|| self.scene.turntable(axis, aspect));
+                Some(table.at((f64::from(frame) - 1.0) / f64::from(frames)))
+            }
+            None => self.scene.camera_at(frame.into())?,
+        };
+        if camera.is_none() {
+            let name = format!("--frames for {}", self.input.display());
+            let expected = "--turntable, or a scene with [[camera_key]]";
+            return Err(Error::invalid(name, "without a moving camera", expected));
+        }
+        self.scene.camera = camera;
+        Ok(())
     }
 }
 
