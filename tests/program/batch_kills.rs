@@ -55,6 +55,7 @@ fn killed_and_resumed_runs_end_as_an_undisturbed_one() {
     let whole = tree(&folder.path("whole"));
     assert_eq!(whole.len(), 2 * (count - broken));
 
+    std::fs::create_dir_all(folder.path("out")).unwrap();
     let mut random = 1_u64;
     for _ in 0..kills {
         let mut program = command("out").spawn().unwrap();
@@ -64,6 +65,11 @@ fn killed_and_resumed_runs_end_as_an_undisturbed_one() {
         std::thread::sleep((idle + time / kills).mul_f64(2.0 * share));
         program.kill().unwrap();
         let _ = program.wait_with_output().unwrap();
+        // Whatever is there is whole.
+        let found = tree(&folder.path("out"));
+        for (name, bytes) in found.iter().filter(|(name, _)| name.ends_with(".png")) {
+            assert!(bytes == &whole[name], "{name} is torn");
+        }
     }
     let resumed = command("out").output().unwrap();
     assert!(text(&resumed.stderr).contains(&format!("{broken} of {count} pictures failed")));

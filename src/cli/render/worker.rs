@@ -174,8 +174,7 @@ impl<'a> Worker<'a> {
         override_settings(&mut scene, input, self.arguments)?;
         times.load = clock.elapsed();
         let prepared = self.painter.upload(&scene, times)?;
-        let (input, still) = (input.to_owned(), scene.camera);
-        Ok(Loaded { input, scene, prepared, start, still, turntable: None })
+        Ok(Loaded { input: input.to_owned(), scene, prepared, start, turntable: None })
     }
 }
 
@@ -186,8 +185,7 @@ struct Loaded {
     prepared: PreparedScene,
     /// When it began to be read.
     start: SystemTime,
-    /// The scene's own camera.
-    still: Option<Camera>,
+    /// Made of the scene's own camera for the first frame.
     turntable: Option<Turntable>,
 }
 
@@ -199,7 +197,6 @@ impl Loaded {
         batch: &BatchArguments,
         (width, height): (u32, u32),
     ) -> Result<()> {
-        self.scene.camera = self.still;
         let camera = match batch.turntable {
             Some(frames) => {
                 let axis = batch.axis.map_or(self.scene.up, Axis::direction);
