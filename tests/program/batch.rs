@@ -190,8 +190,11 @@ fn resuming_keeps_what_is_whole_and_makes_the_rest_again() {
     let whole = tree(&folder.path("out"));
     assert_eq!(kept(&[]), set(&["0", "1", "2", "3", "wall"]));
     assert_eq!(kept(&["--jobs", "1", "--backend", "egl"]), set(&["0", "1", "2", "3", "wall"]));
-    // A torn picture, one without a record, one that is gone, a changed texture.
+    // What a killed run leaves; a torn picture, one without a record, one that is gone, a changed texture.
     let out = |name: &str| folder.path("out").join(name);
+    for name in [".3.png.abcdef.part", ".freeform/.3.png.json.abcdef.part"] {
+        std::fs::write(out(name), "half").unwrap();
+    }
     std::fs::write(out("0.png"), &whole["0.png"][..40]).unwrap();
     std::fs::remove_file(out(".freeform/1.png.json")).unwrap();
     std::fs::remove_file(out("2.png")).unwrap();
@@ -204,9 +207,10 @@ fn resuming_keeps_what_is_whole_and_makes_the_rest_again() {
     assert!(tree(&folder.path("out")) == whole);
     // Other settings. A picture is replaced, not written into: another name of the old file keeps the old picture.
     std::fs::hard_link(out("0.png"), folder.path("old.png")).unwrap();
-    assert_eq!(kept(&["--level", "2"]), set(&[]));
+    assert_eq!(kept(&["--wireframe"]), set(&[]));
+    assert!(std::fs::read(out("0.png")).unwrap() != whole["0.png"]);
     assert!(std::fs::read(folder.path("old.png")).unwrap() == whole["0.png"]);
-    assert_eq!(kept(&["--level", "2"]).len(), 5);
+    assert_eq!(kept(&["--wireframe"]).len(), 5);
     assert_eq!(kept(&["--light", "thesis"]), set(&[]));
 }
 

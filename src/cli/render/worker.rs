@@ -9,7 +9,7 @@ use std::time::{Duration, Instant, SystemTime};
 
 use crate::io::output::{Output, encode, replace};
 use crate::io::{Error, Result};
-use freeform_surface::{Camera, Frame, FrameStats, LoadOptions, PreparedScene, Scene, Turntable};
+use freeform_surface::{Frame, FrameStats, LoadOptions, PreparedScene, Scene, Turntable};
 
 use super::arguments::Axis;
 use super::messages::{Milliseconds, Reply, Report, Status, Task};
