@@ -8,7 +8,7 @@ use std::time::Instant;
 
 const ROUNDS: usize = 7;
 /// The pictures of a measurement by workers, whose start is part of the time.
-const COUNT: usize = 300;
+const COUNT: usize = 600;
 /// The pictures of a measurement by a process for each.
 const ALONE: usize = 20;
 

@@ -72,16 +72,16 @@ daemons="$daemons $!"
 
 # Waits until a command succeeds, for at most a number of seconds.
 await() {
-    seconds="$1"
+    tries="$(($1 * 5))"
     shift
     until "$@" >/dev/null 2>&1; do
-        seconds=$((seconds - 1))
-        if [ "$seconds" -lt 0 ]; then
+        tries=$((tries - 1))
+        if [ "$tries" -lt 0 ]; then
             echo "waited in vain for: $*"
             tail -n 20 "$folder"/*.log
             exit 1
         fi
-        sleep 1
+        sleep 0.2
     done
 }
 is_idle() {
@@ -89,7 +89,7 @@ is_idle() {
 }
 await 60 is_idle
 
-# 400 scenes of different colours; with 256 samples each, a task takes some seconds.
+# 400 scenes of different colours; with 256 samples each, a task takes many seconds.
 mkdir "$folder/in"
 for number in $(seq 400); do
     scene="$folder/in/$number.toml"
@@ -97,7 +97,7 @@ for number in $(seq 400); do
     echo "$scene"
 done >"$folder/list"
 mkdir "$folder/bin"
-printf '#!/bin/sh\nexec "%s" "$@" --samples 256 --resolution 64x48\n' "$program" >"$folder/bin/freeform"
+printf '#!/bin/sh\nexec "%s" "$@" --samples 256 --resolution 160x120\n' "$program" >"$folder/bin/freeform"
 chmod +x "$folder/bin/freeform"
 PATH="$folder/bin:$PATH"
 

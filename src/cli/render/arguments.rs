@@ -55,7 +55,7 @@ pub(in crate::cli) struct BatchArguments {
     #[arg(long, value_name = "AXIS", requires = "turntable")]
     pub(super) axis: Option<Axis>,
 
-    /// Draw the frames A to B: of the turntable, or of the scene's [[camera_key]] tables, whose times are numbers of
+    /// Draw the frames A to B: of the turntable, or of the scene's camera_key tables, whose times are numbers of
     /// frames.
     #[arg(long, value_name = "A-B")]
     pub(super) frames: Option<FrameRange>,
