@@ -20,7 +20,12 @@ fi
 
 folder="$(mktemp -d)"
 daemons=""
+job=""
 stop() {
+    # After a failure, tasks may still run.
+    if [ -n "$job" ] && scancel --signal=KILL --full "$job" 2>/dev/null; then
+        sleep 2
+    fi
     for daemon in $daemons; do kill "$daemon" 2>/dev/null || true; done
     wait
     rm -rf "$folder"
