@@ -21,3 +21,5 @@ RUSTDOCFLAGS="-D warnings" cargo doc --release --no-deps --document-private-item
 cargo test --release --features viewer --bin freeform --test window --example demo
 # The command of the README, word for word.
 sh setup.sh tests && cargo test --release
+# Pictures on a cluster of one node, where Slurm can be installed.
+sh tests/slurm.sh target/release/freeform

@@ -1,12 +1,15 @@
 //! The camera of a scene. View space is right-handed: the camera looks along −z, and y points up on the screen. Clip
 //! space is that of OpenGL (depth −1 … 1).
 
+mod path;
+
 use glam::dcamera::rh::proj::opengl;
 use glam::dcamera::rh::view::look_at_mat4;
 use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use crate::bezier::{MAX_COORDINATE, bounding_box, check_coordinates};
 use crate::error::{Error, Result};
+pub use path::{CameraKey, CameraPath, Turntable};
 
 /// The margin between a framed scene and the border of the picture, as a factor: with 1, the scene touches the
 /// border.
@@ -33,6 +36,13 @@ pub enum Lens {
         /// World units, above 0.
         height: f64,
     },
+}
+
+impl Default for Lens {
+    /// Perspective with 45 degrees from the lower border to the upper one.
+    fn default() -> Self {
+        Self::Perspective { fov_y_radians: 45_f64.to_radians() }
+    }
 }
 
 /// An eye, its target, its vertical direction, and its lens.

@@ -22,11 +22,10 @@ use freeform_surface::{
 };
 
 use exr::AovFile;
-use indicatif::ProgressBar;
-use render::Job;
+use render::{BatchArguments, Painter, Times};
 use report::{ReportFormat, Topic};
 
-use crate::io::input::{self, LoadArguments, PictureArguments, ShadingArguments, crease_angle};
+use crate::io::input::{LoadArguments, PictureArguments, ShadingArguments, crease_angle};
 use crate::io::output::Output;
 use crate::io::say;
 use crate::view::{self, ViewArguments};
@@ -71,14 +70,18 @@ enum Command {
 #[derive(Debug, Args)]
 struct RenderArguments {
     /// Scene files: .toml, .bpt for bare Bézier patches, or .obj for meshes and free-form surfaces; "-" reads the text
-    /// of a scene of any of these kinds from standard input.
-    #[arg(required = true, value_name = "SCENE")]
+    /// of a scene of any of these kinds from standard input. Or folders: all scenes in them. Many pictures are shared
+    /// out among processes.
+    #[arg(required_unless_present = "list", value_name = "SCENE")]
     scenes: Vec<PathBuf>,
+
+    #[command(flatten)]
+    batch: BatchArguments,
 
     #[command(flatten)]
     load: LoadArguments,
 
-    /// The picture's file; a folder if there are several scenes; "-" for standard output. Without it, each
+    /// The picture's file; a folder if there are several pictures; "-" for standard output. Without it, each
     /// picture is named after its scene and written to the current folder.
     #[arg(short, long, value_name = "OUT.png")]
     output: Option<PathBuf>,
@@ -447,12 +450,7 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
     match &arguments.command {
         None => default_scene().map_err(|error| vec![error]),
-        Some(Command::Render(arguments)) => {
-            input::check(&arguments.scenes).map_err(|error| vec![error])?;
-            let outputs = Output::plan(&arguments.scenes, arguments.output.as_deref())
-                .map_err(|error| vec![error])?;
-            render::all(arguments, &outputs)
-        }
+        Some(Command::Render(arguments)) => render::run(arguments).map_err(|error| vec![error]),
         Some(Command::Measure(arguments)) => measure::all(arguments),
         Some(Command::Convert(arguments)) => convert::run(arguments).map_err(|error| vec![error]),
         Some(Command::Inspect(arguments)) => inspect::run(arguments).map_err(|error| vec![error]),
@@ -470,10 +468,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Vec<Error>> {
 
 fn default_scene() -> Result<(), Error> {
     let output = Output::File("freeform.png".into());
-    let mut job = Job::new(Backend::Auto, (1000, 600))?;
-    job.render(&Scene::listing16(), &output, &ProgressBar::hidden())?;
+    let mut painter = Painter::new(Backend::Auto, (1000, 600), false)?;
+    painter.render(&Scene::listing16(), &output, &mut Times::default(), || {})?;
     say("wrote freeform.png: a trimmed Bézier surface, 1000 × 600 pixels, rendered on")?;
-    say(job.driver())?;
+    say(painter.driver())?;
     // Under `cargo run`, the program is not on the search path.
     let freeform =
         if std::env::var_os("CARGO").is_some() { "cargo run --release --" } else { "freeform" };

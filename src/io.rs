@@ -4,6 +4,7 @@ mod error;
 pub(crate) mod input;
 pub(crate) mod output;
 pub(crate) mod scale;
+pub(crate) mod scenes;
 
 use std::io::Write as _;
 

@@ -115,7 +115,7 @@ pub use {glam, glow, image};
 
 // Scenes: the objects to draw, and how to draw them.
 pub use bezier::{CurvedPoint, Degree, NurbsSurface, Patch, SurfaceCurvature, SurfacePoint};
-pub use camera::{Camera, Lens, ViewProjection};
+pub use camera::{Camera, CameraKey, CameraPath, Lens, Turntable, ViewProjection};
 pub use mesh::{Alpha, Corner, CreaseAngle, Mesh, Smoothing, smooth};
 pub use scene::{
     Analysis, AnalysisChange, AnalysisKind, CadModel, Cull, CurvatureKind, CurvatureLimit,

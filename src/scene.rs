@@ -20,10 +20,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use glam::{DMat4, DVec3, dvec2, dvec3};
+use glam::{DMat4, DQuat, DVec3, dvec2, dvec3};
 
-use crate::bezier::Degree;
-use crate::camera::{Camera, ViewProjection};
+use crate::bezier::{Degree, bounding_box};
+use crate::camera::{Camera, CameraPath, Lens, Turntable, ViewProjection};
 use crate::error::Result;
 use crate::mesh::{CreaseAngle, Smoothing};
 use crate::model::Model;
@@ -89,6 +89,8 @@ pub struct Scene {
     pub files: Vec<PathBuf>,
     /// The camera; without one the scene is framed.
     pub camera: Option<Camera>,
+    /// How the camera moves, for pictures of several times; its lens is that of [`Scene::camera`].
+    pub camera_path: Option<CameraPath>,
     /// From where it is seen if it is framed.
     pub viewpoint: Viewpoint,
     /// The axis that is vertical when the scene is framed.
@@ -109,6 +111,7 @@ impl Default for Scene {
         Self {
             files: Vec::new(),
             camera: None,
+            camera_path: None,
             viewpoint: Viewpoint::default(),
             up: DVec3::Y,
             settings: RenderSettings::default(),
@@ -256,20 +259,56 @@ impl Scene {
     /// A camera that sees the whole scene, for pictures of `aspect` (width over height).
     #[must_use]
     pub fn framed(&self, aspect: f64) -> Camera {
+        let points = self.shown_points();
+        let points = points.iter().copied();
         match self.viewpoint {
-            Viewpoint::Front => Camera::framing(self.shown_points(), self.up, aspect),
-            Viewpoint::Isometric => Camera::isometric(self.shown_points(), self.up, aspect),
+            Viewpoint::Front => Camera::framing(points, self.up, aspect),
+            Viewpoint::Isometric => Camera::isometric(points, self.up, aspect),
         }
     }
 
     /// A camera that looks the same way and sees the whole scene.
     #[must_use]
     pub fn fitted(&self, camera: &Camera, aspect: f64) -> Camera {
-        camera.fitted(self.shown_points(), aspect)
+        camera.fitted(self.shown_points().iter().copied(), aspect)
     }
 
-    /// Points in world space that show the extent of the scene.
-    fn shown_points(&self) -> impl Iterator<Item = DVec3> + Clone + '_ {
+    /// The camera of a frame of [`Scene::camera_path`]; `None` without a path.
+    ///
+    /// # Errors
+    /// As [`CameraPath::at`].
+    pub fn camera_at(&self, time: f64) -> Result<Option<Camera>> {
+        let lens = self.camera.map_or(Lens::default(), |camera| camera.lens());
+        self.camera_path.as_ref().map(|path| path.at(time, lens)).transpose()
+    }
+
+    /// A camera that goes around the scene, for pictures of `aspect` (width over height). `axis` is one of the axes of
+    /// world space. The scene's own camera goes around its target. Without one, the camera goes around the middle of the
+    /// scene, and the whole scene stays in the picture during the turn.
+    #[must_use]
+    pub fn turntable(&self, axis: DVec3, aspect: f64) -> Turntable {
+        // Points between these angles leave the scene's circle by less than the margin of a framed picture.
+        const ANGLES: u32 = 24;
+        if let Some(start) = self.camera {
+            return Turntable { start, center: start.target(), axis };
+        }
+        let points = self.shown_points();
+        let [min, max] = bounding_box(points.iter().copied());
+        let center =
+            if min.is_finite() && max.is_finite() { 0.5 * (min + max) } else { DVec3::ZERO };
+        let turned = (0..ANGLES).flat_map(|number| {
+            let angle = std::f64::consts::TAU * f64::from(number) / f64::from(ANGLES);
+            let turn = DQuat::from_axis_angle(axis, angle);
+            points.iter().map(move |point| center + turn * (*point - center))
+        });
+        let turned: Vec<DVec3> = turned.collect();
+        let start = self.framed(aspect).fitted(turned.iter().copied(), aspect);
+        Turntable { start, center, axis }
+    }
+
+    /// Points in world space that show the extent of the scene. A camera is fitted to them in several steps, so they are
+    /// computed once.
+    fn shown_points(&self) -> Vec<DVec3> {
         // If there are few patches, each needs many samples to show its shape; if there are many, each needs few.
         const SAMPLES: usize = 4_000;
         let surfaces = self.surfaces.iter().filter(|surface| !surface.hidden);
@@ -281,5 +320,6 @@ impl Scene {
         points
             .chain(self.meshes.iter().flat_map(MeshModel::samples))
             .chain(control_points.take(shown))
+            .collect()
     }
 }

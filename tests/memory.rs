@@ -10,7 +10,8 @@ use std::num::NonZeroU32;
 use std::rc::Rc;
 
 use freeform_surface::{
-    Frame, Framebuffer, FreeFormSurface, Image, Renderer, Scene, TessLevel, Tessellation, Texture,
+    Frame, Framebuffer, FreeFormSurface, Headless, Image, Offscreen, Renderer, Samples, Scene,
+    TessLevel, Tessellation, Texture,
 };
 use glam::dvec2;
 use glow::HasContext as _;
@@ -44,8 +45,40 @@ fn objects(gl: &glow::Context) -> Vec<(char, u32)> {
         .collect()
 }
 
+/// One after the other, because both look at the memory of the whole process.
 #[test]
-fn ten_thousand_surfaces_leave_nothing_behind() {
+fn nothing_is_left_behind() {
+    ten_thousand_surfaces();
+    pictures_of_scenes();
+}
+
+/// Scenes of all kinds are drawn one after the other by one `Offscreen`, as by a worker of `freeform render`.
+fn pictures_of_scenes() {
+    let names =
+        ["scenes/thesis/fig22.toml", "surfaces/teapot.bpt", "models/flange.ffm", "meshes/cube.obj"];
+    let paths = names.map(|name| harness::root().join("resources").join(name));
+    for backend in backends() {
+        let mut offscreen = Offscreen::in_context(Headless::new(backend).unwrap(), 16, 16).unwrap();
+        let mut round = |samples| {
+            for path in &paths {
+                let mut scene = harness::load(path);
+                scene.settings.samples = Samples::new(samples).unwrap();
+                let _ = offscreen.render(&scene).unwrap();
+            }
+            let scene = Scene { surfaces: vec![], ..Scene::default() };
+            let _ = offscreen.render(&scene).unwrap();
+            objects(offscreen.context().gl()).len()
+        };
+        // The programs and the framebuffer stay.
+        let _ = (round(4), round(1));
+        let before = [round(4), round(1)];
+        for _ in 0..20 {
+            assert_eq!([round(4), round(1)], before, "{backend}");
+        }
+    }
+}
+
+fn ten_thousand_surfaces() {
     for backend in backends() {
         let context = Checked::new(backend);
         let gl = context.gl();

@@ -43,11 +43,8 @@ impl AovFile {
     /// Refuses requests in which one file would overwrite another.
     ///
     /// # Errors
-    /// There are several scenes, or two AOVs have the same file.
-    pub(super) fn check(files: &[Self], scenes: usize) -> Result<()> {
-        if scenes > 1 && !files.is_empty() {
-            return Err(Error::invalid("--aov", format!("given for {scenes} scenes"), "one scene"));
-        }
+    /// Two AOVs have the same file.
+    pub(super) fn check(files: &[Self]) -> Result<()> {
         for (i, file) in files.iter().enumerate() {
             if files[..i].iter().any(|other| other.path == file.path) {
                 let name = format!("{} for two AOVs", file.path.display());

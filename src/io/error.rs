@@ -47,6 +47,15 @@ pub(crate) enum Error {
     #[error("{0}")]
     WrongDriver(String),
 
+    /// Some of many pictures failed; what failed was said before.
+    #[error("{failed} of {total} pictures failed")]
+    Pictures {
+        /// The pictures that failed.
+        failed: usize,
+        /// All pictures, with those that were kept.
+        total: usize,
+    },
+
     /// No window with an OpenGL context could be opened.
     #[cfg(feature = "viewer")]
     #[error("{0}")]

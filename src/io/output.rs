@@ -1,8 +1,8 @@
 //! The destinations of pictures. A file is first written beside its destination and then renamed. So no file is
 //! left half written, and a failure leaves an existing file unchanged.
 
-use std::collections::HashMap;
-use std::ffi::OsStr;
+use std::collections::HashSet;
+use std::ffi::{OsStr, OsString};
 use std::fmt;
 use std::fs::File;
 use std::io::{BufWriter, Write as _};
@@ -12,6 +12,7 @@ use super::{Error, Result};
 use freeform_surface::{Cause, Image};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
+use tempfile::NamedTempFile;
 
 use super::input::is_standard;
 
@@ -34,68 +35,23 @@ impl fmt::Display for Output {
 }
 
 impl Output {
-    /// The destination of each scene's picture. A folder that is needed and missing is created.
+    /// The destination of the picture of a scene that is drawn alone. Without `output`, or with a folder, the picture is
+    /// named after the scene; a folder that is missing is created.
     ///
     /// # Errors
-    /// Two pictures have the same name, several go to standard output, a name does not end in .png, or a folder
-    /// cannot be created.
-    pub(crate) fn plan(scenes: &[PathBuf], output: Option<&Path>) -> Result<Vec<Self>> {
+    /// A name that does not end in .png, or a folder that cannot be created.
+    pub(crate) fn of_one(scene: &Path, output: Option<&Path>) -> Result<Self> {
         let folder = match output {
-            None => PathBuf::new(),
-            Some(path) if path == Path::new("-") => {
-                return match scenes {
-                    [_] => Ok(vec![Self::Standard]),
-                    _ => Err(Error::invalid(
-                        "output",
-                        "\"-\" for several scenes",
-                        "a folder, or a single scene",
-                    )),
-                };
-            }
-            Some(path) => {
-                if scenes.len() > 1 && is_png(path) && !path.is_dir() {
-                    let name = format!("{} for several scenes", path.display());
-                    return Err(Error::invalid("output", name, "a folder, or a single scene"));
-                }
-                let ends_as_folder = path.to_string_lossy().ends_with(std::path::is_separator);
-                if scenes.len() == 1 && !ends_as_folder && !path.is_dir() {
-                    return single(path).map(|output| vec![output]);
-                }
-                path.to_owned()
-            }
+            Some(path) if is_standard(path) => return Ok(Self::Standard),
+            Some(path) if !is_folder(path) => return single(path).map(Self::File),
+            folder => folder.unwrap_or(Path::new("")),
         };
-        let mut taken: HashMap<PathBuf, &PathBuf> = HashMap::new();
-        let outputs: Vec<Self> = scenes
-            .iter()
-            .map(|scene| {
-                let stem = match scene.file_stem() {
-                    _ if is_standard(scene) => OsStr::new("freeform"),
-                    stem => stem.unwrap_or(scene.as_os_str()),
-                };
-                let mut name = stem.to_owned();
-                name.push(".png");
-                let path = folder.join(name);
-                match taken.insert(path.clone(), scene) {
-                    None => Ok(Self::File(path)),
-                    Some(other) => Err(Error::invalid(
-                        "output",
-                        format!(
-                            "{} for {} and {}",
-                            path.display(),
-                            other.display(),
-                            scene.display()
-                        ),
-                        "scenes with different names, or one call for each",
-                    )),
-                }
-            })
-            .collect::<Result<_>>()?;
-        // The folder is created only now, so that a refused call leaves no folder behind.
-        if !folder.as_os_str().is_empty() {
-            std::fs::create_dir_all(&folder)
-                .map_err(|error| Error::file("make the folder", folder, error))?;
-        }
-        Ok(outputs)
+        let stem = match scene.file_stem() {
+            _ if is_standard(scene) => OsStr::new("freeform"),
+            stem => stem.unwrap_or(scene.as_os_str()),
+        };
+        make_folder(folder)?;
+        Ok(Self::File(folder.join(with_png(stem))))
     }
 
     /// Refuses to overwrite a file that the scene was read from.
@@ -135,11 +91,28 @@ impl Output {
     }
 }
 
-fn is_png(path: &Path) -> bool {
+/// Whether a destination is a folder, or ends as one.
+pub(crate) fn is_folder(path: &Path) -> bool {
+    path.to_string_lossy().ends_with(std::path::is_separator) || path.is_dir()
+}
+
+/// Whether a file's name ends in .png.
+pub(crate) fn is_png(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
 }
 
-fn single(path: &Path) -> Result<Output> {
+/// A name with .png at its end.
+pub(crate) fn with_png(name: &OsStr) -> OsString {
+    let mut name = name.to_owned();
+    name.push(".png");
+    name
+}
+
+/// Checks the name of a single picture's file.
+///
+/// # Errors
+/// It does not end in .png.
+pub(crate) fn single(path: &Path) -> Result<PathBuf> {
     if !is_png(path) {
         return Err(Error::invalid(
             "output",
@@ -147,10 +120,25 @@ fn single(path: &Path) -> Result<Output> {
             "a name that ends in .png, or a folder",
         ));
     }
-    Ok(Output::File(path.to_owned()))
+    Ok(path.to_owned())
 }
 
-fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
+/// Creates a folder and those that it lies in, unless they exist.
+///
+/// # Errors
+/// The error names the folder.
+pub(crate) fn make_folder(folder: &Path) -> Result<()> {
+    if folder.as_os_str().is_empty() {
+        return Ok(());
+    }
+    std::fs::create_dir_all(folder).map_err(|error| Error::file("make the folder", folder, error))
+}
+
+/// The bytes of a PNG file; without transparent pixels it has no alpha channel.
+///
+/// # Errors
+/// A picture that is too large for the format.
+pub(crate) fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
     let (width, height) = image.dimensions();
     let opaque = image.pixels().all(|pixel| pixel.0[3] == 255);
     let rgb: Vec<u8>;
@@ -166,63 +154,123 @@ fn encode(image: &Image) -> image::ImageResult<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Writes to a temporary file beside `path` and renames it.
+/// The end of the names of temporary files.
+const PART: &str = ".part";
+
+/// What the names of the temporary files of a file begin with.
+fn part_prefix(name: &OsStr) -> OsString {
+    let mut prefix = OsString::from(".");
+    prefix.push(name);
+    prefix.push(".");
+    prefix
+}
+
+/// Writes to a temporary file beside `path` and renames it. The temporary file is locked until then, so that others can
+/// tell it from what a killed program has left ([`sweep`]).
 pub(crate) fn replace(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+    write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>,
 ) -> std::io::Result<()> {
     // A symbolic link is kept; the file that it points to is replaced.
     let path = &path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let mut name = std::ffi::OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    let write_part = || {
-        let mut file = BufWriter::new(File::create(&part)?);
-        write(&mut file)?;
-        file.flush()
-    };
-    write_part().and_then(|()| std::fs::rename(&part, path)).inspect_err(|_| {
-        // The file may not exist; the first error is returned in any case.
-        let _ = std::fs::remove_file(&part);
-    })
+    let part = locked_part(path)?;
+    let mut file = BufWriter::new(part.as_file());
+    write(&mut file)?;
+    file.flush()?;
+    drop(file);
+    part.persist(path)?;
+    Ok(())
+}
+
+/// A new temporary file beside `path`, which no other program has, and which is removed when it is dropped.
+fn locked_part(path: &Path) -> std::io::Result<NamedTempFile> {
+    let prefix = part_prefix(path.file_name().unwrap_or_default());
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(PART);
+    loop {
+        // Unlike tempfile's own way to create files, this gives everybody the usual access to them.
+        let part =
+            builder.make_in(folder.unwrap_or(Path::new(".")), |path| File::create_new(path))?;
+        // Some file systems have no locks; there, nothing is ever swept.
+        let is_locked = part.as_file().lock().is_ok();
+        // Another program may have swept the file before it was locked.
+        if !is_locked || part.path().exists() {
+            return Ok(part);
+        }
+    }
+}
+
+/// Removes the temporary files that killed programs have left for files of these names in a folder. Files that are still
+/// being written stay.
+pub(crate) fn sweep(folder: &Path, names: &HashSet<OsString>) {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| is_part_of(&entry.file_name(), names)) {
+        let path = entry.path();
+        // What cannot be opened, locked or removed is another program's, or gone.
+        if let Ok(file) = File::open(&path)
+            && file.try_lock().is_ok()
+        {
+            let _ = std::fs::remove_file(&path);
+        }
+    }
+}
+
+/// Whether a file's name is that of a temporary file for one of these names.
+fn is_part_of(name: &OsStr, names: &HashSet<OsString>) -> bool {
+    let name = name.to_string_lossy();
+    let target = name.strip_prefix('.').and_then(|name| name.strip_suffix(PART));
+    let target = target.and_then(|target| target.rsplit_once('.'));
+    target.is_some_and(|(target, _)| names.contains(OsStr::new(target)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn plan(scenes: &[&str], output: Option<&str>) -> Result<Vec<Output>> {
-        let scenes: Vec<PathBuf> = scenes.iter().map(PathBuf::from).collect();
-        Output::plan(&scenes, output.map(Path::new))
+    fn of_one(scene: &str, output: Option<&str>) -> Result<Output> {
+        Output::of_one(Path::new(scene), output.map(Path::new))
     }
 
     #[test]
-    fn names_come_from_the_scenes() {
+    fn the_name_comes_from_the_scene() {
         let file = |name: &str| Output::File(name.into());
-        assert_eq!(plan(&["a/x.toml", "y.bpt"], None).unwrap(), [file("x.png"), file("y.png")]);
-        assert_eq!(plan(&["a/x.toml"], Some("z.PNG")).unwrap(), [file("z.PNG")]);
-        assert_eq!(plan(&["a/x.toml"], Some("-")).unwrap(), [Output::Standard]);
-        assert_eq!(plan(&["-"], None).unwrap(), [file("freeform.png")]);
+        assert_eq!(of_one("a/x.toml", None).unwrap(), file("x.png"));
+        assert_eq!(of_one("a/x.toml", Some("z.PNG")).unwrap(), file("z.PNG"));
+        assert_eq!(of_one("a/x.toml", Some("-")).unwrap(), Output::Standard);
+        assert_eq!(of_one("-", None).unwrap(), file("freeform.png"));
         let folder = tempfile::tempdir().unwrap();
-        let inside = folder.path().join("new");
-        let planned = plan(&["a/x.toml", "b/y.toml"], inside.to_str()).unwrap();
-        assert_eq!(planned[1], Output::File(inside.join("y.png")));
-        assert!(inside.is_dir());
+        let inside = format!("{}/new/", folder.path().display());
+        assert_eq!(of_one("b/y.toml", Some(&inside)).unwrap(), file(&format!("{inside}y.png")));
+        assert!(Path::new(&inside).is_dir());
+        for output in ["x.jpg", "x"] {
+            let text = of_one("x.toml", Some(output)).unwrap_err().to_string();
+            assert!(text.contains(".png"), "{text}");
+        }
     }
 
     #[test]
-    fn clashes_and_other_formats_are_refused() {
-        for (scenes, output, word) in [
-            (&["a/x.toml", "b/x.bpt"][..], None, "x.png for a/x.toml and b/x.bpt"),
-            (&["x.toml", "y.toml"][..], Some("-"), "several scenes"),
-            (&["x.toml"][..], Some("x.jpg"), ".png"),
-            (&["x.toml"][..], Some("x"), ".png"),
-            (&["x.toml", "y.toml"][..], Some("both.png"), "a folder"),
-        ] {
-            let text = plan(scenes, output).unwrap_err().to_string();
-            assert!(text.contains(word), "{text}");
+    fn only_what_killed_programs_left_is_swept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        for name in [".x.png.abcdef.part", ".y.png.abcdef.part", ".x.png.part", "x.png"] {
+            std::fs::write(path(name), "half").unwrap();
         }
+        let names = HashSet::from(["x.png".into()]);
+        replace(&path("x.png"), |file| {
+            // The file that is being written is there during the sweep, and afterwards.
+            sweep(folder.path(), &names);
+            file.write_all(b"whole")
+        })
+        .unwrap();
+        let mut left: Vec<_> = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.sort();
+        assert_eq!(left, [".x.png.part", ".y.png.abcdef.part", "x.png"]);
+        assert_eq!(std::fs::read(path("x.png")).unwrap(), b"whole");
     }
 
     #[test]

@@ -15,15 +15,15 @@ use toml::Spanned;
 use super::file::{extension, line_of, read_text, unreadable};
 use super::surface::check_transform;
 use super::tables::{
-    CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName, MeshTable, ShadingName,
-    SmoothingName, SurfaceTable,
+    CameraKeyTable, CameraTable, ControlPoints, CullName, DVec3Value, Document, KeepName,
+    MeshTable, ShadingName, SmoothingName, SurfaceTable,
 };
 use super::{
     Cull, Image, LoadOptions, MeshModel, Method, Paint, Scene, Surface, TessLevel, UpAxis,
     Viewpoint, bpt, default_control_points, load_texture, obj,
 };
 use crate::bezier::{Degree, MAX_COORDINATE, NurbsSurface, check_coordinates};
-use crate::camera::{Camera, Lens};
+use crate::camera::{Camera, CameraKey, CameraPath, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{Alpha, CreaseAngle, Smoothing};
 use crate::trim::{Keep, Trims};
@@ -52,10 +52,15 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
     let mut meshes = Vec::new();
     let mut models = Vec::new();
     let mut trim_places = Vec::new();
+    let mut keys = Vec::new();
     for chunk in chunks(text) {
         builder.chunk = chunk.start;
         let document = builder.document(&text[chunk])?;
         builder.once("camera", &mut camera, document.camera, camera_of)?;
+        for table in document.camera_key {
+            let before = keys.last().map_or(f64::NEG_INFINITY, |key: &CameraKey| key.time);
+            keys.push(builder.check(table, |table| camera_key_of(&table, before))?);
+        }
         builder.once("render", &mut stage, document.render, stage_of)?;
         for table in document.surface {
             let (new, places) = builder.surfaces(table)?;
@@ -90,16 +95,25 @@ pub(super) fn parse(text: &str, path: &Path, options: &LoadOptions) -> Result<Sc
             builder.check_for_thesis(surface, places)?;
         }
     }
-    Ok(Scene { files: builder.files, camera, viewpoint, up, settings, surfaces, meshes, models })
+    let camera_path = (!keys.is_empty()).then(|| CameraPath::new(keys)).transpose()?;
+    let files = builder.files;
+    let mut scene =
+        Scene { files, camera, camera_path, viewpoint, up, settings, surfaces, meshes, models };
+    if let Some(path) = scene.camera_path.as_ref().filter(|_| camera.is_none()) {
+        scene.camera = Some(path.at(f64::NEG_INFINITY, Lens::default())?);
+    }
+    Ok(scene)
 }
 
-/// The text before the first line `[[surface]]`, `[[mesh]]` or `[[model]]`, then from each such line to the next.
+/// The text before the first line `[[surface]]`, `[[mesh]]`, `[[model]]` or `[[camera_key]]`, then from each such line to the next.
 fn chunks(text: &str) -> Vec<Range<usize>> {
     let mut starts = vec![0];
     let mut offset = 0;
     for line in text.split_inclusive('\n') {
         let header = line.split('#').next().unwrap_or_default().trim();
-        if offset > 0 && matches!(header, "[[surface]]" | "[[mesh]]" | "[[model]]") {
+        if offset > 0
+            && matches!(header, "[[surface]]" | "[[mesh]]" | "[[model]]" | "[[camera_key]]")
+        {
             starts.push(offset);
         }
         offset += line.len();
@@ -387,6 +401,13 @@ fn camera_of(_: &Builder<'_>, table: CameraTable) -> Result<Camera> {
         }
     };
     Camera::new(table.eye.into(), table.target.into(), table.up.into(), lens)
+}
+
+fn camera_key_of(table: &CameraKeyTable, before: f64) -> Result<CameraKey> {
+    let &CameraKeyTable { time, eye, target, up } = table;
+    let key = CameraKey { time, eye: eye.into(), target: target.into(), up: up.into() };
+    key.check_after(before)?;
+    Ok(key)
 }
 
 /// Checks the knots along u and v of a surface.

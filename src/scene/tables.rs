@@ -12,6 +12,8 @@ use crate::trim::FillRule;
 #[serde(deny_unknown_fields)]
 pub(super) struct Document {
     pub(super) camera: Option<Spanned<CameraTable>>,
+    #[serde(default)]
+    pub(super) camera_key: Vec<Spanned<CameraKeyTable>>,
     pub(super) render: Option<Spanned<RenderTable>>,
     #[serde(default)]
     pub(super) surface: Vec<Spanned<SurfaceTable>>,
@@ -30,6 +32,16 @@ pub(super) struct CameraTable {
     pub(super) up: DVec3Value,
     pub(super) fov_y_degrees: Option<f64>,
     pub(super) orthographic_height: Option<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraKeyTable {
+    pub(super) time: f64,
+    pub(super) eye: DVec3Value,
+    pub(super) target: DVec3Value,
+    #[serde(default = "upright")]
+    pub(super) up: DVec3Value,
 }
 
 pub(super) type DVec3Value = [f64; 3];

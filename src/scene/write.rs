@@ -19,7 +19,7 @@ use super::{
     default_control_points, load_texture, obj, svg,
 };
 use crate::bezier::Degree;
-use crate::camera::{Camera, Lens};
+use crate::camera::{Camera, CameraPath, Lens};
 use crate::error::{Error, Result};
 use crate::mesh::{CreaseAngle, Mesh, Smoothing};
 use crate::trim::{FillRule, Keep, Segment, TrimLoop, TrimPath, Trims};
@@ -55,6 +55,11 @@ impl Scene {
         };
         if let Some(camera) = self.camera {
             writer.camera(&camera);
+        }
+        for key in self.camera_path.iter().flat_map(CameraPath::keys) {
+            writer.header("[[camera_key]]");
+            writer.line("time", format_args!("{:?}", key.time));
+            writer.place([key.eye, key.target, key.up]);
         }
         writer.settings(&self.settings);
         writer.line("up", if self.up == DVec3::Z { "\"z\"" } else { "\"y\"" });
@@ -117,11 +122,15 @@ impl Writer<'_> {
         let _ = writeln!(self.out.text, "{gap}{header}");
     }
 
+    fn place(&mut self, [eye, target, up]: [DVec3; 3]) {
+        self.line("eye", vector(eye));
+        self.line("target", vector(target));
+        self.line("up", vector(up));
+    }
+
     fn camera(&mut self, camera: &Camera) {
         self.header("[camera]");
-        self.line("eye", vector(camera.eye()));
-        self.line("target", vector(camera.target()));
-        self.line("up", vector(camera.up()));
+        self.place([camera.eye(), camera.target(), camera.up()]);
         match camera.lens() {
             Lens::Perspective { fov_y_radians } => {
                 self.line("fov_y_degrees", format_args!("{:?}", degrees(fov_y_radians)));

@@ -4,29 +4,8 @@ use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
+use crate::io::scenes::scenes_in;
 use crate::io::{Error, Result};
-use freeform_surface::CadModel;
-
-/// Whether a file's name has the extension of a scene.
-fn is_scene(path: &Path) -> bool {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    matches!(extension.as_deref(), Some("toml" | "bpt" | "obj")) || CadModel::is_file_of_one(path)
-}
-
-/// The scenes of a folder, sorted by name.
-fn scenes_in(folder: &Path) -> Result<Vec<PathBuf>> {
-    let fail = |error: std::io::Error| Error::file("read the folder", folder, error);
-    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let mut scenes = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(fail)? {
-        let path = entry.map_err(fail)?.path();
-        if is_scene(&path) && path.is_file() {
-            scenes.push(path);
-        }
-    }
-    scenes.sort();
-    Ok(scenes)
-}
 
 /// The scenes that follow the file in its folder. After the last one come those before the file; the file
 /// itself is left out.
@@ -35,7 +14,10 @@ fn scenes_in(folder: &Path) -> Result<Vec<PathBuf>> {
 /// The folder cannot be read, or contains no other scene.
 pub(crate) fn next_scenes(file: Option<&Path>) -> Result<Vec<PathBuf>> {
     let folder = file.and_then(Path::parent).unwrap_or(Path::new(""));
-    let mut scenes = scenes_in(folder)?;
+    let mut unreadable = None;
+    let found = scenes_in(folder, false);
+    let mut scenes: Vec<PathBuf> =
+        found.filter_map(|scene| scene.map_err(|error| unreadable = Some(error)).ok()).collect();
     let name = file.and_then(Path::file_name);
     if let Some(own) = scenes.iter().position(|scene| scene.file_name() == name) {
         scenes.rotate_left(own);
@@ -43,11 +25,13 @@ pub(crate) fn next_scenes(file: Option<&Path>) -> Result<Vec<PathBuf>> {
     }
     if scenes.is_empty() {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-        return Err(Error::invalid(
-            format!("folder {}", folder.display()),
-            "without another scene",
-            "a .toml, .bpt or .obj file, or a CAD model",
-        ));
+        return Err(unreadable.unwrap_or_else(|| {
+            Error::invalid(
+                format!("folder {}", folder.display()),
+                "without another scene",
+                "a .toml, .bpt or .obj file, or a CAD model",
+            )
+        }));
     }
     Ok(scenes)
 }

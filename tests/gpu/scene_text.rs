@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::harness::{assert_same, load, render, root};
-use freeform_surface::{FillRule, Keep, Paint, Scene, Shading, TrimPath, Trims};
+use freeform_surface::{
+    CameraKey, CameraPath, FillRule, Keep, Paint, Scene, Shading, TrimPath, Trims,
+};
 use glam::{DMat4, DVec3, UVec2, dvec3};
 
 const SIZE: UVec2 = UVec2::new(160, 96);
@@ -91,6 +93,13 @@ fn what_no_file_holds_is_written_beside() {
     scene.surfaces[0].transform =
         DMat4::from_rotation_x(0.3) * DMat4::from_scale(DVec3::splat(3.0));
     scene.camera = Some(scene.framed(1.0));
+    let key = |time: f64| CameraKey {
+        time,
+        eye: dvec3(time, 1.0 / 3.0, 2.0),
+        target: DVec3::ZERO,
+        up: DVec3::Y,
+    };
+    scene.camera_path = Some(CameraPath::new(vec![key(0.1), key(7.0)]).unwrap());
     let path = folder.path().join("new \"scene\".toml");
     let written = scene.to_toml(&path).unwrap();
     assert_eq!(written.files.len(), 2);
@@ -99,7 +108,7 @@ fn what_no_file_holds_is_written_beside() {
     }
     let read = Scene::from_toml(&written.text, &path).unwrap();
     assert!(read.surfaces == scene.surfaces);
-    assert_eq!(read.camera, scene.camera);
+    assert_eq!((read.camera, read.camera_path), (scene.camera, scene.camera_path));
 }
 
 #[test]

@@ -32,24 +32,26 @@ impl Folder {
 
     /// Runs the program in this folder.
     pub fn run(&self, arguments: &[&str]) -> Output {
-        Command::new(env!("CARGO_BIN_EXE_freeform"))
+        self.command(arguments).output().unwrap()
+    }
+
+    /// The program with arguments, to be run in this folder.
+    pub fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_freeform"));
+        command
             .args(arguments)
             .current_dir(self.0.path())
             .env_remove("RUST_LOG")
-            .env_remove("CARGO")
-            .output()
-            .unwrap()
+            .env_remove("CARGO");
+        command
     }
 
     /// Runs the program with a text on its standard input.
     #[allow(dead_code, reason = "not all tests of the program need it")]
     pub fn run_with(&self, arguments: &[&str], input: &str) -> Output {
         use std::io::Write as _;
-        let mut child = Command::new(env!("CARGO_BIN_EXE_freeform"))
-            .args(arguments)
-            .current_dir(self.0.path())
-            .env_remove("RUST_LOG")
-            .env_remove("CARGO")
+        let mut child = self
+            .command(arguments)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

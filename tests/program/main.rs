@@ -3,7 +3,10 @@
 #[path = "../harness/mod.rs"]
 mod harness;
 
+mod batch;
+mod batch_kills;
 mod commands;
+mod frames;
 mod light;
 mod measure;
 mod models;
