@@ -28,7 +28,7 @@ pub struct Aovs {
     /// The Gaussian curvature, the mean curvature, and the principal curvature of larger magnitude, of the true surface
     /// at the pixel's centre, in the world's unit: 1/unit², 1/unit and 1/unit. The latter two are above 0 where the
     /// surface bends towards Su × Sv. Only surfaces of the exact method have them, and only in targets with room for them
-    /// ([`FloatTarget::for_aovs_and_curvature`](crate::FloatTarget::for_aovs_and_curvature)).
+    /// (`FloatTarget::for_aovs_and_curvature`).
     pub curvature: Vec<[f32; 4]>,
 }
 

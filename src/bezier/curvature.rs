@@ -127,10 +127,9 @@ mod tests {
 
     use super::*;
     use crate::bezier::{Degree, NurbsSurface};
-    use crate::scene::Surface;
 
-    /// A torus whose circles around the axis z are u, as a NURBS surface of 16 patches: exact.
-    fn torus(major: f64, minor: f64) -> Surface {
+    /// The control points of the 16 patches of a torus, exactly. The circles around the axis z are u.
+    fn torus(major: f64, minor: f64) -> Vec<DVec4> {
         let knots: Vec<f64> = [0, 0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 4].map(f64::from).to_vec();
         let circle = |i: usize| {
             let (sin, cos) = (i as f64 * FRAC_PI_2 / 2.0).sin_cos();
@@ -142,16 +141,19 @@ mod tests {
             let from_axis = major + minor * tube[0];
             DVec4::new(from_axis * around[0], from_axis * around[1], minor * tube[1], one * other)
         });
-        let degree = Degree::new(2, 2).unwrap();
-        Surface::from_nurbs(
-            NurbsSurface::new(degree, [knots.clone(), knots], points.collect()).unwrap(),
-        )
+        let knots = [knots.clone(), knots];
+        NurbsSurface::new(biquadratic(), knots, points.collect()).unwrap().patches().1
+    }
+
+    fn biquadratic() -> Degree {
+        Degree::new(2, 2).unwrap()
     }
 
     #[test]
     fn a_torus_has_its_closed_forms() {
         let (major, minor) = (2.0, 0.5);
-        for patch in torus(major, minor).patches() {
+        for points in torus(major, minor).chunks_exact(9) {
+            let patch = Patch::new(biquadratic(), points);
             for (u, v) in [(0.0, 0.0), (0.3, 0.7), (1.0, 0.4)] {
                 let here = patch.curved(u, v);
                 let [x, y, _] = here.at.position.to_array();
@@ -192,7 +194,8 @@ mod tests {
 
     #[test]
     fn curvature_is_missing_where_the_tangents_are_parallel_and_shrinks_with_the_size() {
-        let here = torus(2.0, 0.5).patches().next().unwrap().curved(0.2, 0.3);
+        let points = torus(2.0, 0.5);
+        let here = Patch::new(biquadratic(), &points[..9]).curved(0.2, 0.3);
         let larger = here.mapped(&DMat3::from_diagonal(DVec3::splat(1e6)));
         let (one, other) = (here.curvature().unwrap(), larger.curvature().unwrap());
         assert!((other.gaussian * 1e12 / one.gaussian - 1.0).abs() < 1e-12);

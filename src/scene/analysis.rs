@@ -20,7 +20,7 @@ pub enum Analysis {
         /// Which curvature.
         of: CurvatureKind,
         /// The curvature at the end of the scale, in 1/unit of length, or for the Gaussian one 1/unit². `None`: one
-        /// that suits the scene ([`PreparedScene::curvature_limit`](crate::PreparedScene::curvature_limit)).
+        /// that suits the scene (`PreparedScene::curvature_limit`).
         limit: Option<CurvatureLimit>,
     },
     /// The draft angle as a colour between red (at −limit), yellow (0°) and green (at the limit).
