@@ -7,6 +7,7 @@ mod harness;
 mod analysis;
 mod comparison;
 mod contexts;
+mod curvature;
 mod depth;
 mod drivers;
 mod edges;
