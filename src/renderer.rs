@@ -35,7 +35,7 @@ pub(crate) use strokes::{Strokes, SurfaceJoint};
 pub use surface::PreparedSurface;
 use surface::to_bytes;
 pub(crate) use surface::{PatchShapes, RaisedPatches};
-pub(crate) use uniforms::{set_aovs, set_depth, set_lights, set_matrices};
+pub(crate) use uniforms::{analysis_of, set_aovs, set_depth, set_lights, set_matrices};
 
 use crate::error::Result;
 use crate::gpu::{Gl, Program, Texture, VertexArray, check_context, draw_size, keep_memory};

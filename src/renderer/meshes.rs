@@ -10,7 +10,7 @@ use glam::{DMat4, DVec3};
 use super::draw_list::matrices;
 use super::draws::{Draw, PlanKey, divide};
 use super::points::LocalFrame;
-use super::uniforms::{set_analysis, set_aovs, set_columns, set_depth, set_lights};
+use super::uniforms::{analysis_of, set_analysis, set_aovs, set_columns, set_depth, set_lights};
 use super::{DrawnVertex, Frame, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::{Attribute, Buffer, Gl, TexelBuffer, Texture, Vertex};
@@ -364,12 +364,9 @@ impl Renderer {
         let shading = if in_lines { Shading::Unlit } else { mesh.model.shading };
         let lines = if in_lines { Some(self.color_texture(super::RED)?) } else { None };
         let colored = mesh.colors.is_some() && is_picture && !in_lines;
-        // Meshes have no curvature.
-        let is_shown = |shown: &Analysis| {
-            let is_curvature = shown.kind() == AnalysisKind::Curvature;
-            output != Output::Triangles && is_curvature == (output == Output::Aovs)
-        };
-        let analysis = frame.settings.shown_analysis().filter(is_shown);
+        // Meshes have no curvature to show.
+        let is_shown = |shown: &Analysis| !is_picture || shown.kind() != AnalysisKind::Curvature;
+        let analysis = analysis_of(&frame.settings, output).filter(is_shown);
         let colored = colored && analysis.is_none();
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },

@@ -5,7 +5,7 @@ use glam::Vec2;
 use super::capture::DrawnVertex;
 use super::draw_list::{Batch, DrawList, isolines};
 use super::draws::Draw;
-use super::uniforms::{set_analysis, set_aovs, set_columns, set_depth, set_lights};
+use super::uniforms::{analysis_of, set_analysis, set_aovs, set_columns, set_depth, set_lights};
 use super::{Frame, PreparedSurface, Renderer, in_lines};
 use crate::error::Result;
 use crate::gpu::samples_of_target;
@@ -35,7 +35,7 @@ impl Renderer {
         let samples = samples_of_target(self.gl());
         let in_lines = in_lines(settings, output);
         let isolines = isolines(settings).filter(|_| output == Output::Picture);
-        let analysis = settings.shown_analysis().filter(|_| output != Output::Triangles);
+        let analysis = analysis_of(settings, output);
         let kind = analysis.map(|shown| shown.kind());
         // Red lines and AOVs need no picture. Normals and analyses need it only if it has holes.
         let is_painted = |batch: &Batch| {

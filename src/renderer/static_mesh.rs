@@ -7,7 +7,7 @@ use std::mem::offset_of;
 use bytemuck::{Pod, Zeroable};
 use glow::HasContext;
 
-use super::uniforms::{set_analysis, set_aovs, set_depth, set_lights};
+use super::uniforms::{analysis_of, set_analysis, set_aovs, set_depth, set_lights};
 use super::{Frame, Renderer};
 use crate::aov::Aovs;
 use crate::error::{Error, Result};
@@ -180,19 +180,20 @@ impl Renderer {
         output: Output,
     ) -> Result<()> {
         let is_far = frame.camera.depth_scale().is_some();
+        let is_picture = output == Output::Picture;
         let is_shown = |shown: &Analysis| {
-            let is_exact = style.method == Method::Exact && output == Output::Picture;
-            is_exact && shown.kind() != AnalysisKind::Curvature
+            let has_it = style.method == Method::Exact && shown.kind() != AnalysisKind::Curvature;
+            has_it || !is_picture
         };
-        let analysis = frame.settings.shown_analysis().filter(is_shown);
+        let analysis = analysis_of(&frame.settings, output).filter(is_shown);
         let kind = analysis.map(|shown| shown.kind());
         let program = self.program(style.key(frame.settings.light, kind, output, is_far))?;
         program.bind();
         set_depth(&program, frame);
         program.set_mat4(location::VIEW, &frame.camera.view.as_mat4());
-        if let Some(analysis) = analysis {
+        if let Some(analysis) = analysis.filter(|_| is_picture) {
             set_analysis(&program, frame, &analysis, 1.0);
-        } else if style.shading == Shading::Phong && output == Output::Picture {
+        } else if style.shading == Shading::Phong && is_picture {
             set_lights(&program, frame);
         }
         program.set_mat4(location::PROJECTION, &frame.camera.for_driver().as_mat4());

@@ -12,7 +12,7 @@ use super::draw_list::DrawList;
 use super::draws::PlanKey;
 use super::solids::Solids;
 use super::surface::{PreparedSurface, to_bytes};
-use super::uniforms::{set_analysis, set_lights};
+use super::uniforms::{analysis_of, set_analysis, set_lights};
 use super::{Frame, Renderer, set_aovs};
 use crate::camera::ViewProjection;
 use crate::error::Result;
@@ -432,10 +432,9 @@ impl Renderer {
         let samples = samples_of_target(self.gl());
         // The colours of curvature are in the segments.
         let is_shown = |shown: &Analysis| {
-            let is_curvature = shown.kind() == AnalysisKind::Curvature;
-            !lines && is_curvature == (output == Output::Aovs)
+            !lines && (output == Output::Aovs || shown.kind() != AnalysisKind::Curvature)
         };
-        let analysis = frame.settings.shown_analysis().filter(is_shown);
+        let analysis = analysis_of(&frame.settings, output).filter(is_shown);
         for (shading, run) in &segments.runs {
             let program = self.program(ProgramKey {
                 pipeline: Pipeline::Strokes { samples, lines },
@@ -453,7 +452,7 @@ impl Renderer {
                 _ if *shading == Shading::Phong => set_lights(&program, frame),
                 _ => {}
             }
-            if let Some(analysis) = &analysis {
+            if let Some(analysis) = analysis.as_ref().filter(|_| output == Output::Picture) {
                 set_analysis(&program, frame, analysis, 1.0);
             }
             let view = StrokeView::new(&frame.camera, frame.viewport.pixels(), 1.0);

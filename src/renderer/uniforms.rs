@@ -5,8 +5,8 @@ use glam::{DMat4, DVec3, Mat4, Vec4};
 use super::Frame;
 use crate::camera::ViewProjection;
 use crate::gpu::Program;
-use crate::programs::location;
-use crate::scene::{Analysis, CurvatureKind, Draft, Light, Stripes};
+use crate::programs::{Output, location};
+use crate::scene::{Analysis, AnalysisKind, CurvatureKind, Draft, Light, RenderSettings, Stripes};
 
 /// The height of the thesis' lamps above and below the world's origin.
 const LAMP_HEIGHT: f64 = 10.0;
@@ -20,6 +20,15 @@ pub(crate) fn set_lights(program: &Program, frame: &Frame) {
             program.set_vec3(location::LIGHT_POSITION_2, lamp(-LAMP_HEIGHT));
         }
         Light::Studio => program.set_vec4(location::EYE, frame.camera.eye_in_view().as_vec4()),
+    }
+}
+
+/// The analysis that an output shows. Of AOVs it is the curvature, by any method: what has none writes zeros.
+pub(crate) fn analysis_of(settings: &RenderSettings, output: Output) -> Option<Analysis> {
+    match output {
+        Output::Picture => settings.shown_analysis(),
+        Output::Aovs => settings.analysis.filter(|own| own.kind() == AnalysisKind::Curvature),
+        Output::Triangles => None,
     }
 }
 

@@ -9,8 +9,8 @@ use glow::HasContext;
 use crate::error::Result;
 use crate::programs::{Output, Pipeline, ProgramKey, location};
 use crate::renderer::{
-    DrawList, Frame, PreparedSurface, RED, Renderer, in_lines, set_aovs, set_depth, set_lights,
-    set_matrices,
+    DrawList, Frame, PreparedSurface, RED, Renderer, analysis_of, in_lines, set_aovs, set_depth,
+    set_lights, set_matrices,
 };
 use crate::scene::{Method, Shading};
 use crate::tessellation::{FrameStats, Split};
@@ -71,7 +71,7 @@ impl Renderer {
             // The report's shaders do not pass on the position, which AOVs need.
             pipeline: if aov { Pipeline::Thesis(surface.degree()) } else { pipeline },
             shading,
-            analysis: settings.analysis.filter(|_| aov).map(|shown| shown.kind()),
+            analysis: analysis_of(settings, output).filter(|_| aov).map(|shown| shown.kind()),
             light: frame.settings.light,
             trims: trims.features(&surface.surface().trims),
             output,

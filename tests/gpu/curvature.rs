@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use freeform_surface::{
-    Analysis, Camera, CurvatureKind, CurvatureLimit, Degree, FloatTarget, Lens, Scene, Surface,
+    Analysis, Camera, CurvatureKind, CurvatureLimit, Degree, FloatTarget, Lens, Method, Scene,
+    Surface,
 };
 use glam::{DMat3, DMat4, DVec2, DVec3, dvec3};
 
@@ -182,6 +183,25 @@ fn curvature_is_finite_everywhere() {
         }
     }
     assert!(covered > 100_000, "{covered}");
+}
+
+/// What has no curvature, meshes and the thesis' method, has zeros, also where it hides a surface.
+#[test]
+fn meshes_and_the_thesis_have_no_curvature() {
+    let mut stage = Stage::new(SIZE);
+    let mut scene = load(&root().join("resources/scenes/thesis/fig14.toml"));
+    let is_drawn = |seen: &Seen| seen.position.iter().filter(|pixel| pixel[3] != 0.0).count();
+    let own = seen(&mut stage, &scene);
+    assert!(is_drawn(&own) > 5_000 && own.curvature.iter().all(|pixel| *pixel == [0.0; 4]));
+    let mesh = crate::harness::meshes::mesh("torus");
+    scene.meshes.push(freeform_surface::MeshModel::new(mesh, freeform_surface::Smoothing::Pn));
+    for method in [Method::Thesis, Method::Exact] {
+        scene.settings.method = method;
+        scene.surfaces.retain(|_| method == Method::Thesis);
+        let both = seen(&mut stage, &scene);
+        assert!(is_drawn(&both) > 5_000, "{method:?}");
+        assert!(both.curvature.iter().all(|pixel| *pixel == [0.0; 4]), "{method:?}");
+    }
 }
 
 /// At the pole of a sphere, where u has no direction, curvature is that of the sphere.
