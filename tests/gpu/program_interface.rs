@@ -7,7 +7,7 @@ use freeform_surface::inspect::programs::{
     SUB_PATCHES_UNIT, SURFACES_UNIT, Sources, TRIM_POINTS_BINDING, TRIM_SHAPES_BINDING,
     TRIM_WORDS_UNIT, TrimFeatures, location,
 };
-use freeform_surface::{Degree, Error, Headless, Light, Normals, Shading};
+use freeform_surface::{AnalysisKind, Degree, Error, Headless, Light, Method, Normals, Shading};
 use glow::HasContext as _;
 
 use crate::harness::{Checked, backends};
@@ -283,6 +283,64 @@ fn the_exact_program_compiles_for_all_it_may_have() {
             assert_eq!(unit("domains"), domains.then_some(DOMAINS_UNIT as i32), "{key:?}");
             let to_world = (output == Output::Aovs).then_some(location::VIEW_TO_WORLD);
             assert_eq!(program.uniform_location("viewToWorld"), to_world);
+        }
+    }
+}
+
+/// Every analysis compiles for all that surfaces, meshes and strokes may be.
+#[test]
+fn analyses_compile_for_all_they_may_have() {
+    let context = Checked::new(backends()[0]);
+    let exact = |degree, patches, samples, shared| Pipeline::Exact {
+        degree,
+        samples,
+        patches,
+        shared,
+        painting: Painting::Color,
+        normals: Normals::Vertex,
+        isolines: shared,
+    };
+    let mut pipelines = vec![
+        Pipeline::Triangles { phong: true, colored: false },
+        Pipeline::Static(Method::Exact),
+        Pipeline::Strokes { samples: 4, lines: false },
+        exact(None, PatchKind::Degenerate, 4, true),
+    ];
+    for patches in [PatchKind::Polynomial, PatchKind::Rational, PatchKind::Degenerate] {
+        let degree = Some(Degree::new(1, 3).unwrap());
+        pipelines.extend([exact(degree, patches, 1, false), exact(degree, patches, 4, true)]);
+    }
+    for pipeline in pipelines {
+        for kind in AnalysisKind::ALL {
+            for (trimmed, output) in
+                [(false, Output::Picture), (true, Output::Picture), (true, Output::Aovs)]
+            {
+                let is_exact = matches!(pipeline, Pipeline::Exact { .. });
+                let is_curvature = kind == AnalysisKind::Curvature;
+                // Only surfaces show curvature, and of AOVs it is the only analysis.
+                if is_curvature != (output == Output::Aovs) && !(is_exact && is_curvature) {
+                    continue;
+                }
+                let grid_loops = trimmed && is_exact;
+                let key = ProgramKey {
+                    pipeline,
+                    shading: Shading::Unlit,
+                    analysis: Some(kind),
+                    light: Light::Studio,
+                    trims: TrimFeatures { grid_loops, ..TrimFeatures::NONE },
+                    output,
+                    far_depth: trimmed,
+                    cut_out: false,
+                };
+                let program = Sources::default()
+                    .link(context.gl(), key)
+                    .unwrap_or_else(|error| panic!("{key:?}: {error}"));
+                let is_shown = output == Output::Picture;
+                let analysis = program.uniform_location("analysis");
+                assert_eq!(analysis, is_shown.then_some(location::ANALYSIS), "{key:?}");
+                let local = program.uniform_location("localPoints");
+                assert_eq!(local, is_exact.then_some(location::LOCAL_POINTS), "{key:?}");
+            }
         }
     }
 }
