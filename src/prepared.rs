@@ -126,7 +126,8 @@ impl PreparedScene {
     }
 
     /// The curvature at the end of the scale of an analysis, if it shows curvature: its own limit, or the one that suits
-    /// the scene. The latter is found when the analysis is first drawn, and stays. It is 1, 2 or 5 times a power of ten,
+    /// the scene. The latter is found when the analysis is first drawn or prepared, and stays; without a surface there is
+    /// none. It is 1, 2 or 5 times a power of ten,
     /// at least as large as that of 80 % of the area that is curved, from samples.
     #[must_use]
     pub fn curvature_limit(&self, analysis: &Analysis) -> Option<f64> {

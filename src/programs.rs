@@ -314,7 +314,7 @@ pub struct ProgramKey {
     pub pipeline: Pipeline,
     /// The shading model.
     pub shading: Shading,
-    /// What is shown in place of the shading. Of AOVs, the curvature is one if this is the curvature.
+    /// What is shown in place of the shading. With AOVs, the curvature adds an image; others are not used.
     pub analysis: Option<AnalysisKind>,
     /// The light, with [`Shading::Phong`].
     pub light: Light,

@@ -1,4 +1,4 @@
-// The thesis' lighting (common/phong.glsl). Trims are decided at the (u, v) of each sample.
+// Light, or an analysis in its place. Trims are decided at the (u, v) of each sample.
 //
 // SAMPLES is the number of samples per pixel of the target. With ANALYSIS, each sample has its own colour.
 

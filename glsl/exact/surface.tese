@@ -104,7 +104,12 @@ void main()
     POINT du, dv;
     evaluate(pointsOfPatch, t, s, point, du, dv);
 #ifdef DEGENERATE
-    vec3 normal = mat3(normalToView) * normalOf(evaluateCurved(pointsOfPatch, t), t, longest);
+    // Of these, only the second derivatives are new.
+    Curved curved = evaluateCurved(pointsOfPatch, t);
+    curved.point = point;
+    curved.du = du;
+    curved.dv = dv;
+    vec3 normal = mat3(normalToView) * normalOf(curved, t, longest);
 #else
     // Sv × Su, as in the thesis.
     vec3 normal = mat3(normalToView) * cross(tangent(point, dv), tangent(point, du));

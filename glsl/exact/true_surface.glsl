@@ -54,7 +54,8 @@ vec2 uvAtPixel(PATCH points, vec2 uv)
         du.xyz += origin * du.w;
         dv.xyz += origin * dv.w;
 #endif
-        uv += stepToPixel(see(MATRIX(toClip, 0), point, du, dv));
+        // Further outside, a patch of high degree has nothing to do with its neighbour.
+        uv = clamp(uv + stepToPixel(see(MATRIX(toClip, 0), point, du, dv)), -0.5, 1.5);
     }
     return uv;
 }
@@ -101,7 +102,9 @@ vec3 curvatureAt(vec2 uv, out vec3 normal)
     m = (m - cosine * l) * inversesqrt(area);
     n = l + (n - l - 2.0 * cosine * m * sqrt(area)) / area;
     float mean = 0.5 * (l + n), apart = length(vec2(0.5 * (l - n), m));
-    return clamp(vec3((l * n - m * m) / unit, mean, apart) / unit, -LARGEST, LARGEST);
+    vec3 found = vec3((l * n - m * m) / unit, mean, apart) / unit;
+    // Where tangents are parallel, it may be no number.
+    return mix(clamp(found, -LARGEST, LARGEST), vec3(0.0), isnan(found));
 }
 #else
 // The normal Sv × Su at a pixel, in view space, of about unit length. It has derivatives: not behind a discard.
@@ -124,14 +127,14 @@ vec3 normalAt(vec2 uv)
 #endif
     vec3 normal = mat3(MATRIX(normalToView, 8)) * crossed;
     float size = dot(normal, normal);
-    normal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
+    normal = size > 0.0 && size < 1e37 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0);
 #ifdef DRAFT
     return normal;
 #else
     vec4 clip = MATRIX(toClip, 0) * (point + vec4(originOf(pointOf(points, 0)) * point.w, 0.0));
     // How many pixels it is to where the point is seen.
     vec2 off = pixelPlace() - viewport.zw * clip.xy / clip.w;
-    off = clip.w > 0.0 ? clamp(off, -4.0, 4.0) : vec2(0.0);
+    off = clip.w > 0.0 && dot(off, off) < 1e9 ? clamp(off, -4.0, 4.0) : vec2(0.0);
     return normal + off.x * dFdxFine(normal) + off.y * dFdyFine(normal);
 #endif
 }

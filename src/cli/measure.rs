@@ -13,7 +13,8 @@ use freeform_surface::inspect::measure::{
 };
 use freeform_surface::inspect::reference;
 use freeform_surface::{
-    FloatTarget, Frame, Framebuffer, Headless, Method, PreparedScene, Renderer, Scene, Tessellation,
+    FloatTarget, Frame, Framebuffer, Headless, Method, PreparedScene, RenderSettings, Renderer,
+    Samples, Scene, Tessellation,
 };
 use glam::UVec2;
 use indicatif::ProgressBar;
@@ -81,6 +82,7 @@ impl<'a> Bench<'a> {
         let mut scene = self.arguments.load.load(path)?;
         self.arguments.style.apply(&mut scene, path)?;
         self.arguments.shading.apply(&mut scene.settings)?;
+        self.arguments.shading.check_shown(&scene.settings)?;
         // The reference has only Bézier surfaces, so meshes are not drawn.
         scene.meshes.clear();
         if scene.surfaces.is_empty() {
@@ -196,22 +198,31 @@ impl<'a> Bench<'a> {
             *time = start.elapsed();
         }
         times.sort_unstable();
-        let complaints = self.context.debug_log().take_errors();
-        if !complaints.is_empty() {
-            let what = format!("numbers for {width}x{height} pixels");
-            return Err(Error::Driver { what, reason: complaints.join("; ") });
-        }
         let stats = prepared.stats();
         let analysis = match scene.settings.shown_analysis() {
             None => None,
             Some(analysis) => {
+                let mut bare = frame;
+                bare.settings = RenderSettings {
+                    samples: Samples::default(),
+                    wireframe: false,
+                    control_points: false,
+                    edges: None,
+                    isolines: None,
+                    ..frame.settings
+                };
                 let image =
-                    prepared.picture(&mut self.renderer, &self.picture, &frame, |_, _| {})?;
+                    prepared.picture(&mut self.renderer, &self.picture, &bare, |_, _| {})?;
                 let limit = prepared.curvature_limit(&analysis).unwrap_or(1.0);
                 let shown = (&analysis, limit);
                 Some(measure_analysis(scene, &frame.camera, shown, &aovs, &image).0)
             }
         };
+        let complaints = self.context.debug_log().take_errors();
+        if !complaints.is_empty() {
+            let what = format!("numbers for {width}x{height} pixels");
+            return Err(Error::Driver { what, reason: complaints.join("; ") });
+        }
         Ok(View {
             measurement,
             analysis,
@@ -298,6 +309,8 @@ struct Object<'a> {
 struct AnalysisObject {
     shading_pixels: usize,
     wrong_shading_pixels: usize,
+    pixels_at_stripe_borders: usize,
+    pixels_beside_surfaces: usize,
 }
 
 impl Report {
@@ -337,8 +350,11 @@ impl Report {
         if errors.bad_values > 0 {
             line.push_str(&format!(", {} NaN or infinite values", errors.bad_values));
         }
-        if let Some(AnalysisErrors { compared, wrong, .. }) = self.analysis {
-            line.push_str(&format!(", {wrong} of {compared} pixels of the shading wrong"));
+        if let Some(AnalysisErrors { compared, wrong, at_borders, beside }) = self.analysis {
+            line.push_str(&format!(
+                ", {wrong} of {compared} pixels of the shading wrong ({} not compared)",
+                at_borders + beside
+            ));
         }
         if let Some(leaks) = &self.leaks {
             line.push_str(&format!(", {}", leaks.words()));
@@ -367,6 +383,8 @@ impl Report {
             analysis: self.analysis.map(|errors| AnalysisObject {
                 shading_pixels: errors.compared,
                 wrong_shading_pixels: errors.wrong,
+                pixels_at_stripe_borders: errors.at_borders,
+                pixels_beside_surfaces: errors.beside,
             }),
             leaks: self.leaks.as_ref().map(LeakCounts::object),
         })

@@ -9,7 +9,7 @@ use super::{Error, Result};
 use clap::Args;
 use freeform_surface::{
     Analysis, AnalysisChange, AnalysisKind, Cause, CreaseAngle, CurvatureKind, CurvatureLimit,
-    Direction, DraftLimit, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions,
+    Direction, DraftLimit, EdgeColor, Edges, IsolineCount, Isolines, Light, LoadOptions, Method,
     RenderSettings, Scene, StripeCount, UpAxis,
 };
 
@@ -66,7 +66,7 @@ pub(crate) struct PictureArguments {
 /// What is shown in place of light and colour; this overrides the scenes' own settings.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct ShadingArguments {
-    /// Show the shape of surfaces in place of their light and colour, exact at each pixel: zebra (a striped
+    /// Show the shape of surfaces in place of their light and colour, from the true surface at each pixel: zebra (a striped
     /// environment, mirrored), isophotes (stripes of equal angle to a direction), curvature or draft (the angle to a
     /// direction of pull); none if the scene asks for one.
     #[arg(long, value_name = "KIND", value_parser = shading)]
@@ -113,14 +113,39 @@ impl ShadingArguments {
         }
         let Self { stripes, direction, curvature, limit, limit_degrees, .. } = self;
         let change = AnalysisChange { stripes, direction, curvature, limit, limit_degrees };
-        if let Some(analysis) = &mut settings.analysis {
-            *analysis = analysis.changed(&change)?;
+        match &mut settings.analysis {
+            Some(analysis) => *analysis = analysis.changed(&change)?,
+            None if change == AnalysisChange::default() => {}
+            None => {
+                let found = "none, with settings of a shading";
+                return Err(Error::invalid("--shading", found, "a kind that has them"));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ShadingArguments {
+    /// Refuses a shading that the settings do not show.
+    ///
+    /// # Errors
+    /// The thesis' method, or settings of no shading.
+    pub(crate) fn check_shown(self, settings: &RenderSettings) -> Result<()> {
+        let is_asked = self.shading.is_some_and(|shading| shading.is_some());
+        if is_asked && settings.method == Method::Thesis {
+            let found = "given with the thesis' method";
+            return Err(Error::invalid("--shading", found, "the exact method: --method exact"));
         }
         Ok(())
     }
 }
 
 impl PictureArguments {
+    /// As [`ShadingArguments::check_shown`].
+    pub(crate) fn check_shown(self, settings: &RenderSettings) -> Result<()> {
+        self.shading.check_shown(settings)
+    }
+
     /// Changes the settings of a scene.
     ///
     /// # Errors

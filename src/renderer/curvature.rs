@@ -15,7 +15,8 @@ const FLAT: f64 = 1e-6;
 const SHARE: f64 = 0.8;
 
 /// 1, 2 or 5 times a power of ten that is at least as large as the curvature of most of what is curved.
-pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind) -> f64 {
+/// `None` if no surface is shown.
+pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind) -> Option<f64> {
     let patches = || {
         let shown = surfaces.iter().map(PreparedSurface::surface).filter(|own| !own.hidden);
         shown.flat_map(|own| own.patches().enumerate().map(move |patch| (own, patch)))
@@ -41,8 +42,10 @@ pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind)
         }
     }
     let size = (high - low).length();
+    if size <= 0.0 || !size.is_finite() {
+        return None;
+    }
     let least = match kind {
-        _ if !(size > 0.0 && size.is_finite()) => return 1.0,
         CurvatureKind::Gaussian => FLAT / (size * size),
         CurvatureKind::Mean | CurvatureKind::Largest => FLAT / size,
     };
@@ -54,7 +57,7 @@ pub(super) fn automatic_limit(surfaces: &[PreparedSurface], kind: CurvatureKind)
         passed += own;
         passed >= SHARE * area
     });
-    rounded_up(reached.map_or(least / FLAT, |(value, _)| *value))
+    Some(rounded_up(reached.map_or(least / FLAT, |(value, _)| *value)))
 }
 
 /// The next number of the form 1, 2 or 5 times a power of ten.

@@ -190,7 +190,7 @@ impl DrawList {
         if let Some(Analysis::Curvature { of, .. }) = analysis
             && self.curvature_limit(analysis).is_none()
         {
-            self.limits.push((of, automatic_limit(surfaces, of)));
+            self.limits.extend(automatic_limit(surfaces, of).map(|limit| (of, limit)));
         }
     }
 

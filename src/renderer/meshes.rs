@@ -370,7 +370,7 @@ impl Renderer {
         let colored = colored && analysis.is_none();
         let key = ProgramKey {
             pipeline: Pipeline::Triangles { phong: smoothing != Smoothing::Pn, colored },
-            shading,
+            shading: if analysis.is_some() { Shading::Unlit } else { shading },
             analysis: analysis.map(|shown| shown.kind()),
             light: frame.settings.light,
             trims: TrimFeatures::NONE,

@@ -92,7 +92,10 @@ struct SegmentsKey {
     /// The state of the list of draws.
     state: u64,
     edges: Option<Edges>,
-    analysis: Option<Analysis>,
+    /// Whether colours are those of an analysis.
+    are_analysed: bool,
+    /// The curvature that colours show, and its value at the end of the scale.
+    curvature: Option<(CurvatureKind, f64)>,
 }
 
 /// What the colours of surfaces are in a frame.
@@ -143,7 +146,14 @@ impl Strokes {
         let settings = &frame.settings;
         let view = PlanKey::new(frame, settings.tessellation);
         let analysis = settings.shown_analysis();
-        let key = SegmentsKey { view, state: list.state(), edges: None, analysis };
+        let curvature = match analysis {
+            Some(Analysis::Curvature { of, .. }) => {
+                list.curvature_limit(analysis).map(|limit| (of, limit))
+            }
+            _ => None,
+        };
+        let are_analysed = analysis.is_some();
+        let key = SegmentsKey { view, state: list.state(), edges: None, are_analysed, curvature };
         let solids = list.solids();
         let is_exact = settings.method == Method::Exact;
         let by_class =
@@ -156,7 +166,7 @@ impl Strokes {
             Tessellation::Within(tolerance) if is_exact && !settings.wireframe => {
                 let view = StrokeView::new(&frame.camera, key.view.size, tolerance.pixels());
                 self.closing.update(renderer, key, &view, || {
-                    let colors = Colors::new(surfaces, frame, list.curvature_limit(analysis));
+                    let colors = Colors::new(surfaces, frame, are_analysed, curvature);
                     joints.iter().filter_map(|joint| joint.placed(&colors, solids)).collect()
                 })?;
             }
@@ -165,7 +175,12 @@ impl Strokes {
         match &settings.edges {
             Some(edges) if is_exact => {
                 let view = StrokeView::new(&frame.camera, key.view.size, 1.0);
-                let key = SegmentsKey { edges: settings.edges, analysis: None, ..key };
+                let key = SegmentsKey {
+                    edges: settings.edges,
+                    are_analysed: false,
+                    curvature: None,
+                    ..key
+                };
                 let off_faces = match settings.tessellation {
                     Tessellation::Within(tolerance) => tolerance.pixels(),
                     Tessellation::Level(_) => 1.0,
@@ -185,37 +200,44 @@ impl Strokes {
 }
 
 impl<'a> Colors<'a> {
-    fn new(surfaces: &'a [PreparedSurface], frame: &Frame, limit: Option<f64>) -> Self {
-        let shown = frame.settings.shown_analysis();
-        let curvature = match (shown, limit) {
-            (Some(Analysis::Curvature { of, .. }), Some(limit)) => Some(CurvatureColors {
-                kind: of,
-                limit,
-                eye: frame.camera.view.inverse() * frame.camera.eye_in_view(),
-                firsts: surfaces
-                    .iter()
-                    .scan(0, |next, surface| {
-                        *next += surface.cones().len();
-                        Some(*next - surface.cones().len())
-                    })
-                    .collect(),
-            }),
-            _ => None,
-        };
-        Self { surfaces, are_analysed: shown.is_some(), curvature }
+    fn new(
+        surfaces: &'a [PreparedSurface],
+        frame: &Frame,
+        are_analysed: bool,
+        curvature: Option<(CurvatureKind, f64)>,
+    ) -> Self {
+        let curvature = curvature.map(|(kind, limit)| CurvatureColors {
+            kind,
+            limit,
+            eye: frame.camera.view.inverse() * frame.camera.eye_in_view(),
+            firsts: surfaces
+                .iter()
+                .scan(0, |next, surface| {
+                    *next += surface.cones().len();
+                    Some(*next - surface.cones().len())
+                })
+                .collect(),
+        });
+        Self { surfaces, are_analysed, curvature }
     }
 
     /// Of a surface; `patch` is one of its patches among those of all surfaces.
     fn of(&self, surface: usize, patch: usize) -> StrokePaint<'a> {
         let own = self.surfaces[surface].surface();
-        match (&self.curvature, &own.paint) {
-            (Some(CurvatureColors { kind, limit, eye, firsts }), _) => {
+        let picture = match &own.paint {
+            Paint::Texture(picture) => Some(picture.as_ref()),
+            Paint::Color(_) => None,
+        };
+        match (&self.curvature, picture) {
+            (Some(CurvatureColors { kind, limit, eye, firsts }), picture) => {
                 let patch = patch - firsts[surface];
                 let (kind, limit, eye) = (*kind, *limit, *eye);
-                StrokePaint::Curvature(CurvaturePaint { surface: own, patch, kind, limit, eye })
+                let surface = own;
+                let paint = CurvaturePaint { surface, patch, kind, limit, picture, eye };
+                StrokePaint::Curvature(paint)
             }
-            (None, Paint::Texture(picture)) if !self.are_analysed => StrokePaint::Picture(picture),
-            _ => StrokePaint::Color(to_bytes(self.surfaces[surface].color())),
+            (None, Some(picture)) => StrokePaint::Picture(picture),
+            (None, None) => StrokePaint::Color(to_bytes(self.surfaces[surface].color())),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::bezier::SurfaceCurvature;
 use crate::error::{Error, Result};
 
 /// What a picture shows of surfaces in place of their light and colour, by the exact method. Each pixel, or each sample
-/// of a pixel, shows the true surface there, whatever the triangles are.
+/// of a pixel, shows the true surface there, if the triangles are within about a pixel of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Analysis {
     /// The reflection of a striped sphere that is infinitely far away, as in a mirror: where it bends, the surface is

@@ -5,7 +5,7 @@ use freeform_surface::{
     Analysis, AnalysisKind, CurvatureKind, CurvatureLimit, Direction, Draft, DraftLimit,
     RenderSettings, StripeCount, Stripes,
 };
-use glam::DVec3;
+use glam::{DVec3, UVec2};
 
 use super::state::State;
 use crate::io::scale;
@@ -40,7 +40,7 @@ pub(super) fn show(ui: &mut Ui, state: &mut State, limit: Option<f64>) {
     match &mut own {
         None => {}
         Some(Analysis::Zebra(stripes) | Analysis::Isophotes(stripes)) => edit_stripes(ui, stripes),
-        Some(Analysis::Curvature { of, limit: own }) => curvature(ui, of, own, limit),
+        Some(Analysis::Curvature { of, limit: own }) => edit_curvature(ui, of, own, limit),
         Some(Analysis::Draft(draft)) => edit_draft(ui, draft),
     }
     if own != before {
@@ -61,7 +61,7 @@ fn edit_stripes(ui: &mut Ui, Stripes { count, direction }: &mut Stripes) {
     });
 }
 
-fn curvature(
+fn edit_curvature(
     ui: &mut Ui,
     of: &mut CurvatureKind,
     own: &mut Option<CurvatureLimit>,
@@ -78,7 +78,7 @@ fn curvature(
         ui.label("limit");
         ui.checkbox(&mut suits, "that suits");
         let speed = 0.01 * limit;
-        let value = DragValue::new(&mut limit).range(1e-30..=1e30).max_decimals(9);
+        let value = DragValue::new(&mut limit).range(1e-30..=1e30).max_decimals(15);
         ui.add_enabled(!suits, value.speed(speed));
     });
     *own = if suits { None } else { CurvatureLimit::new(limit).ok().or(*own) };
@@ -103,8 +103,8 @@ fn edit_draft(ui: &mut Ui, Draft { pull, limit }: &mut Draft) {
 /// The scale of the analysis in the picture, as `freeform render` draws it.
 #[derive(Default)]
 pub(super) struct ScaleView {
-    /// What the texture shows: the analysis, the curvature at the end of the scale, and the rows of the picture.
-    key: Option<(Analysis, Option<f64>, u32)>,
+    /// What the texture shows: the analysis, the curvature at the end of the scale, and the size of the picture.
+    key: Option<(Analysis, Option<f64>, UVec2)>,
     texture: Option<TextureHandle>,
 }
 
@@ -113,7 +113,7 @@ impl ScaleView {
     pub(super) fn paint(&mut self, context: &Context, state: &State, limit: Option<f64>) {
         let size = state.size().as_uvec2();
         let shown = state.scene().settings.shown_analysis();
-        let key = shown.map(|analysis| (analysis, limit, size.y));
+        let key = shown.map(|analysis| (analysis, limit, size));
         if key != self.key {
             self.key = key;
             let image =
@@ -126,7 +126,7 @@ impl ScaleView {
         }
         let Some(texture) = &self.texture else { return };
         let [width, height] = texture.size();
-        let (x, y) = scale::corner(state.size().as_uvec2().y, height as u32);
+        let (x, y) = scale::corner(size.y, height as u32);
         let point = context.pixels_per_point();
         let place = |x: f32, y: f32| pos2(x / point, y / point);
         let first = place(x as f32, y as f32);

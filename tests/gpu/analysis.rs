@@ -115,19 +115,25 @@ fn stripes(kind: AnalysisKind, count: i64, direction: DVec3) -> Analysis {
     }
 }
 
-/// Views of all kinds, from near and far, and one that frames the scene.
+/// Views of all kinds, from near and far, one that frames the scene, and one without perspective.
 pub(super) fn views(scene: &Scene, count: u64) -> Vec<Scene> {
     let aspect = f64::from(SIZE.x) / f64::from(SIZE.y);
     let random = (0..count)
         .map(|i| Scene { camera: Some(random_view(scene, 5, i, aspect)), ..scene.clone() });
-    std::iter::once(scene.clone()).chain(random).collect()
+    let framed = scene.framed(aspect);
+    let height = 0.8 * framed.eye().distance(framed.target());
+    let lens = Lens::Orthographic { height };
+    let flat = Camera::new(framed.eye(), framed.target(), framed.up(), lens).unwrap();
+    let flat = Scene { camera: Some(flat), ..scene.clone() };
+    [scene.clone(), flat].into_iter().chain(random).collect()
 }
 
-/// All pixels further than 0.1 px from the border of a stripe are right, but for one of a thousand.
+/// All pixels further than 0.1 px from the border of a stripe are right: within half a pixel but for one of a thousand,
+/// within a pixel but for two.
 fn check_stripes(name: &str, scene: &Scene) {
     let mut stage = Stage::new(SIZE);
     for kind in [AnalysisKind::Zebra, AnalysisKind::Isophotes] {
-        for tolerance in [0.5, 1.0] {
+        for (tolerance, wrong) in [(0.5, 1), (1.0, 2)] {
             let mut all = AnalysisErrors::default();
             for view in views(scene, if is_long() { 32 } else { 4 }) {
                 let mut view = view;
@@ -139,7 +145,8 @@ fn check_stripes(name: &str, scene: &Scene) {
             println!("{name} {kind:?} {tolerance} px: {all:?}");
             assert!(all.compared > 20_000, "{name}: {all:?}");
             assert!(all.beside * 50 < all.compared, "{name}: {all:?}");
-            assert!(all.wrong * 1000 <= all.compared, "{name} {kind:?} {tolerance}: {all:?}");
+            let share = all.compared * wrong / 1000;
+            assert!(all.wrong <= share, "{name} {kind:?} {tolerance}: {all:?}");
         }
     }
 }
@@ -163,6 +170,87 @@ fn stripes_of_a_cad_model_are_where_the_true_surface_has_them() {
     let Some(folder) = crate::models::cad_files() else { return };
     let nacelle = load(&folder.join("tigl_nacelle.stp"));
     check_stripes("nacelle", &Scene { settings: within(0.5), ..nacelle });
+}
+
+/// Colours of curvature and draft over scales that are passed in many pixels, in models where strokes close gaps too.
+#[test]
+fn colours_are_those_of_the_true_surface() {
+    let mut stage = Stage::new(SIZE);
+    let blade = load(&root().join("resources/models/blade.ffm"));
+    let blade = Scene { settings: within(0.5), ..blade };
+    for (name, scene) in
+        [("torus", torus()), ("quintic", quintic()), ("teapot", teapot()), ("blade", blade)]
+    {
+        let limit_degrees = DraftLimit::new(1.0).unwrap();
+        let pull = Direction::new(DVec3::Z).unwrap();
+        let mut shown = vec![Analysis::Draft(Draft { pull, limit: limit_degrees })];
+        // The curvature of the teapot jumps between its patches, within a pixel of which it is not told apart.
+        if name != "teapot" {
+            shown.extend(CurvatureKind::ALL.map(|of| Analysis::Curvature { of, limit: None }));
+        }
+        for analysis in shown {
+            let mut all = AnalysisErrors::default();
+            for view in views(&scene, 0) {
+                all = all.merge(&judged(&mut stage, &view, analysis).0);
+            }
+            println!("{name} {analysis:?}: {all:?}");
+            assert!(all.compared > 10_000, "{name}: {all:?}");
+            let share = if name == "teapot" { 500 } else { 1000 };
+            assert!(all.wrong * share <= all.compared, "{name} {analysis:?}: {all:?}");
+        }
+    }
+}
+
+/// A bulge is blue and a bowl is red, whatever the parameters.
+#[test]
+fn the_side_that_is_seen_gives_the_sign() {
+    let mut stage = Stage::new(SIZE);
+    for (eye, is_bowl) in [(dvec3(0.0, -4.0, 0.3), false), (dvec3(0.0, 0.5, 0.1), true)] {
+        for of in CurvatureKind::ALL {
+            let mut scene = sphere();
+            let lens = Lens::Perspective { fov_y_radians: 0.7 };
+            scene.camera = Some(Camera::new(eye, DVec3::ZERO, DVec3::Z, lens).unwrap());
+            let limit = CurvatureLimit::new(0.5).ok();
+            let (_, image) = judged(&mut stage, &scene, Analysis::Curvature { of, limit });
+            let is_red = is_bowl || of == CurvatureKind::Gaussian;
+            let [red, _, blue, alpha] = image.get_pixel(SIZE.x / 2, SIZE.y / 2).0;
+            assert!(alpha == 255 && (red > blue) == is_red, "{of:?} {is_bowl}: {red} {blue}");
+        }
+    }
+}
+
+/// Holes of pictures are holes in every shading, also where strokes close the gap between two surfaces.
+#[test]
+fn holes_of_pictures_stay_holes() {
+    let mut stage = Stage::new(SIZE);
+    let picture = Image::from_pixel(4, 4, image::Rgba([200, 100, 50, 0]));
+    let mut scene = scene_of(
+        (0..2)
+            .map(|i| {
+                // Of different degrees, so that a stroke joins them.
+                let (columns, first) = (3 + i, i as f64);
+                let points = (0..2 * columns).map(|k| {
+                    let x = (k % columns) as f64 / (columns - 1) as f64;
+                    DVec4::new(first + x, (k / columns) as f64, 0.3 * x * (1.0 - x), 1.0)
+                });
+                let degree = Degree::new(columns - 1, 1).unwrap();
+                Surface::of_patch(degree, points.collect()).unwrap()
+            })
+            .collect(),
+    );
+    scene.settings.tessellation = within(4.0).tessellation;
+    let count = |scene: &Scene, stage: &mut Stage, kind: AnalysisKind| {
+        let image = judged(stage, scene, kind.with_defaults()).1;
+        image.pixels().filter(|pixel| pixel.0[3] != 0).count()
+    };
+    for kind in AnalysisKind::ALL {
+        assert!(count(&scene, &mut stage, kind) > 5_000);
+        let mut cut = scene.clone();
+        for surface in &mut cut.surfaces {
+            surface.paint = freeform_surface::Paint::Texture(picture.clone().into());
+        }
+        assert_eq!(count(&cut, &mut stage, kind), 0, "{kind:?}");
+    }
 }
 
 /// Without the step to the pixel, stripes follow the triangles: the measurement notices.
@@ -222,7 +310,7 @@ fn draft_is_within_a_hundredth_of_a_degree() {
     }
 }
 
-/// Neither the direction of the parameters nor a mirror changes what is seen.
+/// The direction of the parameters does not change what is seen.
 #[test]
 fn the_parameters_do_not_matter() {
     let mut stage = Stage::new(SIZE);

@@ -48,7 +48,7 @@ fn options_change_the_picture_and_the_scale_can_be_left_out() {
 #[test]
 fn what_does_not_fit_is_refused_in_one_line() {
     let folder = Folder::new();
-    let model = resource("models/flange.ffm");
+    let model = resource("surfaces/teapot.bpt");
     for (options, status, words) in [
         (&["--shading", "stripes"][..], 2, "expected zebra, isophotes, curvature, draft or none"),
         (&["--stripes", "5"], 2, "--shading"),
@@ -58,6 +58,8 @@ fn what_does_not_fit_is_refused_in_one_line() {
         (&["--shading", "curvature", "--curvature", "max"], 2, "gaussian, mean or largest"),
         (&["--shading", "draft", "--limit-degrees", "91"], 2, "to 90"),
         (&["--shading", "zebra", "--limit", "1"], 1, "given with zebra"),
+        (&["--shading", "none", "--stripes", "5"], 1, "a kind that has them"),
+        (&["--shading", "zebra", "--method", "thesis"], 1, "--method exact"),
     ] {
         let output = folder.run(&[&["render", &model, "-o", "out.png"], options].concat());
         let told = text(&output.stderr);
@@ -112,6 +114,18 @@ fn wrong_pixels_of_a_shading_are_counted() {
     }
     let output = folder.run(&fixed);
     assert!(!text(&output.stdout).contains("shading"), "{}", text(&output.stdout));
+    // What a scene draws besides does not count.
+    let model = resource("models/flange.ffm");
+    let text_of = |settings: &str| format!("[render]\n{settings}\n[[model]]\nfile = \"{model}\"\n");
+    let count = |settings: &str| {
+        let scene = folder.write("scene.toml", text_of(settings));
+        let scene = scene.to_str().unwrap();
+        let fixed = ["measure", scene, "--format", "json", "--resolution", "300x200"];
+        let output = folder.run(&[&fixed[..], &["--shading", "zebra"]].concat());
+        let object: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        object["wrong_shading_pixels"].as_u64().unwrap()
+    };
+    assert_eq!(count("samples = 8\nedges = true\nisolines = 20"), count(""));
     let line = folder.run(&["measure", &scene, "--resolution", "200x100", "--shading", "zebra"]);
     assert!(text(&line.stdout).contains("pixels of the shading wrong"), "{}", text(&line.stdout));
 }

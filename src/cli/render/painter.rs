@@ -31,7 +31,8 @@ pub(super) fn override_settings(
     settings.samples = arguments.samples.unwrap_or(settings.samples);
     settings.wireframe = arguments.wireframe.unwrap_or(settings.wireframe);
     settings.control_points = arguments.control_points.unwrap_or(settings.control_points);
-    arguments.picture.apply(settings)
+    arguments.picture.apply(settings)?;
+    arguments.picture.check_shown(settings)
 }
 
 /// Everything on the command line that changes pictures, as a text.

@@ -27,7 +27,7 @@ pub(super) fn section(bench: &mut Bench) -> Result<Section> {
         "Shading: zebra on the surface and on its mesh",
         "Zebra stripes at each pixel, compared with f64. The mesh is made once, of the exact method's own triangles \
          within half a pixel of the view that shows everything, with the true normals at its vertices; between them \
-         normals are interpolated, as in mesh viewers. Pixels within a tenth of a pixel of a stripe's border, and those \
+         normals are interpolated, as in mesh viewers. (OCCT's own meshes are not shown: its helper gives figures only.) Pixels within a tenth of a pixel of a stripe's border, and those \
          beside the true silhouette, are not counted. The close-up shows the same mesh from nearer.",
     );
     let mut scene = bench.scene(SCENE)?;

@@ -24,6 +24,8 @@ pub(crate) struct CurvaturePaint<'a> {
     pub(crate) kind: CurvatureKind,
     /// The curvature at the end of the scale.
     pub(crate) limit: f64,
+    /// The picture over the domain, whose holes are holes here too.
+    pub(crate) picture: Option<&'a Image>,
     /// The position of the eye in world space, or with w = 0 the direction towards it.
     pub(crate) eye: DVec4,
 }
@@ -38,14 +40,11 @@ impl StrokePaint<'_> {
     pub(super) fn color_at(&self, share: DVec2) -> Option<[u8; 3]> {
         match self {
             Self::Color(color) => Some(*color),
-            Self::Picture(picture) => {
-                let size = UVec2::from(picture.dimensions());
-                let place = DVec2::new(share.x, 1.0 - share.y) * size.as_dvec2();
-                let UVec2 { x, y } = place.as_uvec2().min(size - 1);
-                let [red, green, blue, alpha] = picture.get_pixel(x, y).0;
-                (alpha >= 128).then_some([red, green, blue])
+            Self::Picture(picture) => texel(picture, share),
+            Self::Curvature(paint) => {
+                let is_kept = paint.picture.is_none_or(|picture| texel(picture, share).is_some());
+                is_kept.then(|| paint.color_at(share))
             }
-            Self::Curvature(paint) => Some(paint.color_at(share)),
         }
     }
 }
@@ -63,4 +62,13 @@ impl CurvaturePaint<'_> {
         let value = mapped.curvature().map_or(0.0, |curvature| self.kind.of(&curvature, side));
         Analysis::CURVATURE_COLORS.at(value / self.limit).map(|c| (c * 255.0).round() as u8)
     }
+}
+
+/// The colour of a picture at (u, v) as shares of the domain; `None` in a hole.
+fn texel(picture: &Image, share: DVec2) -> Option<[u8; 3]> {
+    let size = UVec2::from(picture.dimensions());
+    let place = DVec2::new(share.x, 1.0 - share.y) * size.as_dvec2();
+    let UVec2 { x, y } = place.as_uvec2().min(size - 1);
+    let [red, green, blue, alpha] = picture.get_pixel(x, y).0;
+    (alpha >= 128).then_some([red, green, blue])
 }
