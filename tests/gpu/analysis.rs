@@ -224,20 +224,14 @@ fn the_side_that_is_seen_gives_the_sign() {
 fn holes_of_pictures_stay_holes() {
     let mut stage = Stage::new(SIZE);
     let picture = Image::from_pixel(4, 4, image::Rgba([200, 100, 50, 0]));
-    let mut scene = scene_of(
-        (0..2)
-            .map(|i| {
-                // Of different degrees, so that a stroke joins them.
-                let (columns, first) = (3 + i, i as f64);
-                let points = (0..2 * columns).map(|k| {
-                    let x = (k % columns) as f64 / (columns - 1) as f64;
-                    DVec4::new(first + x, (k / columns) as f64, 0.3 * x * (1.0 - x), 1.0)
-                });
-                let degree = Degree::new(columns - 1, 1).unwrap();
-                Surface::of_patch(degree, points.collect()).unwrap()
-            })
-            .collect(),
-    );
+    // Their common edge has other parameters on both sides, so that a stroke joins them.
+    let surface = |first: f64, along: &[f64]| {
+        let points = along.iter().flat_map(|y| {
+            [0.0, 0.5, 1.0].map(|x| DVec4::new(first + x, *y, 0.6 * x * (1.0 - x), 1.0))
+        });
+        Surface::of_patch(Degree::new(2, along.len() - 1).unwrap(), points.collect()).unwrap()
+    };
+    let mut scene = scene_of(vec![surface(0.0, &[0.0, 1.0]), surface(1.0, &[0.0, 0.3, 1.0])]);
     scene.settings.tessellation = within(4.0).tessellation;
     let count = |scene: &Scene, stage: &mut Stage, kind: AnalysisKind| {
         let image = judged(stage, scene, kind.with_defaults()).1;
