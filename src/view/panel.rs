@@ -204,11 +204,14 @@ fn fineness(ui: &mut Ui, state: &mut State) {
 
 fn style(ui: &mut Ui, state: &mut State) {
     let mut settings = state.scene().settings;
+    let mut shading = settings.analysis.map(|own| own.kind());
     ui.horizontal(|ui| {
         ui.label("light");
         for light in Light::ALL {
             ui.selectable_value(&mut settings.light, light, light.name());
         }
+        let is_exact = settings.method == Method::Exact;
+        ui.add_enabled_ui(is_exact, |ui| shading::choose(ui, &mut shading));
     });
     ui.horizontal(|ui| {
         ui.checkbox(&mut settings.wireframe, "wireframe");
@@ -247,6 +250,9 @@ fn style(ui: &mut Ui, state: &mut State) {
     });
     if settings != state.scene().settings {
         state.change_settings(|own| *own = settings);
+    }
+    if shading != settings.analysis.map(|own| own.kind()) {
+        state.show_analysis(shading);
     }
     if edges != settings.edges.is_some() {
         state.switch_edges();

@@ -1,6 +1,6 @@
-//! What the picture shows in place of light and colour: its row of the panel, and its scale in the picture.
+//! What the picture shows in place of light and colour: its part of the panel, and its scale in the picture.
 
-use egui::{Context, DragValue, Rect, TextureHandle, TextureOptions, Ui, pos2, vec2};
+use egui::{ComboBox, Context, DragValue, Rect, TextureHandle, TextureOptions, Ui, pos2, vec2};
 use freeform_surface::{
     Analysis, AnalysisKind, CurvatureKind, CurvatureLimit, Direction, Draft, DraftLimit,
     RenderSettings, StripeCount, Stripes,
@@ -20,22 +20,21 @@ const AXES: [(&str, DVec3); 6] = [
     ("−z", DVec3::NEG_Z),
 ];
 
-/// The kinds of shading, and the settings of the one that is shown. `limit` is the curvature at the end of the scale in
-/// the picture.
-pub(super) fn show(ui: &mut Ui, state: &mut State, limit: Option<f64>) {
-    let before = state.scene().settings.analysis;
-    let mut kind = before.map(|own| own.kind());
-    ui.horizontal_wrapped(|ui| {
-        ui.label("shading");
-        ui.selectable_value(&mut kind, None, "light");
-        for other in AnalysisKind::ALL {
-            ui.selectable_value(&mut kind, Some(other), other.name());
+/// A list of the kinds of shading; `None` is light.
+pub(super) fn choose(ui: &mut Ui, shown: &mut Option<AnalysisKind>) {
+    let name = |kind: Option<AnalysisKind>| kind.map_or("shading", AnalysisKind::name);
+    ComboBox::from_id_salt("shading").width(76.0).selected_text(name(*shown)).show_ui(ui, |ui| {
+        ui.selectable_value(shown, None, "light");
+        for kind in AnalysisKind::ALL {
+            ui.selectable_value(shown, Some(kind), kind.name());
         }
     });
-    if kind != before.map(|own| own.kind()) {
-        state.show_analysis(kind);
-        return;
-    }
+}
+
+/// The settings of the shading that is shown, if it is not light. `limit` is the curvature at the end of the scale in the
+/// picture.
+pub(super) fn show(ui: &mut Ui, state: &mut State, limit: Option<f64>) {
+    let before = state.scene().settings.analysis;
     let mut own = before;
     match &mut own {
         None => {}
