@@ -104,7 +104,7 @@ impl ShadingArguments {
     /// Changes the settings of a scene.
     ///
     /// # Errors
-    /// Settings that the kind of shading does not have.
+    /// Settings that the kind of shading does not have, or of none.
     pub(crate) fn apply(self, settings: &mut RenderSettings) -> Result<()> {
         if let Some(shown) = self.shading {
             let is_own = |own: &Analysis| Some(own.kind()) == shown;
@@ -123,13 +123,11 @@ impl ShadingArguments {
         }
         Ok(())
     }
-}
 
-impl ShadingArguments {
-    /// Refuses a shading that the settings do not show.
+    /// Refuses a shading that was asked for if the settings do not show it.
     ///
     /// # Errors
-    /// The thesis' method, or settings of no shading.
+    /// The thesis' method, which has none.
     pub(crate) fn check_shown(self, settings: &RenderSettings) -> Result<()> {
         let is_asked = self.shading.is_some_and(|shading| shading.is_some());
         if is_asked && settings.method == Method::Thesis {
@@ -141,6 +139,9 @@ impl ShadingArguments {
 }
 
 impl PictureArguments {
+    /// Refuses a shading that was asked for if the settings do not show it.
+    ///
+    /// # Errors
     /// As [`ShadingArguments::check_shown`].
     pub(crate) fn check_shown(self, settings: &RenderSettings) -> Result<()> {
         self.shading.check_shown(settings)

@@ -28,7 +28,7 @@ pub(crate) fn draw(image: &mut Image, analysis: &Analysis, limit: Option<f64>) {
     image::imageops::replace(image, &scale, x.into(), y.into());
 }
 
-/// The upper left corner of a scale of so many rows in a picture of so many rows.
+/// The upper left corner of a scale in a picture, from the heights of the picture and of the scale in pixels.
 pub(crate) const fn corner(height: u32, rows: u32) -> (u32, u32) {
     let margin = height / 40;
     (margin, height.saturating_sub(rows + margin))
@@ -46,7 +46,7 @@ pub(crate) fn for_picture(
     picture(analysis, limit, height)
 }
 
-/// The scale for a picture of so many rows.
+/// The scale for a picture of that height in pixels.
 fn picture(analysis: &Analysis, limit: Option<f64>, height: u32) -> Option<Image> {
     let colors = analysis.scale_colors()?;
     let (title, end, unit) = match analysis {

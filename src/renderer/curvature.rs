@@ -5,7 +5,7 @@ use glam::{DMat3, DVec2, DVec3};
 use super::PreparedSurface;
 use crate::scene::CurvatureKind;
 
-/// About so many places are looked at.
+/// The number of places that are looked at, roughly.
 const PLACES: usize = 20_000;
 /// Places along a side of a patch.
 const SIDE: usize = 4;

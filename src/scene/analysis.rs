@@ -95,6 +95,10 @@ pub struct AnalysisChange {
     pub limit_degrees: Option<DraftLimit>,
 }
 
+/// The colours of a scale: at its lower end, in the middle and at its upper end; red, green and blue, each 0 … 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScaleColors([[f32; 3]; 3]);
+
 impl Analysis {
     /// The analysis with some other settings.
     ///
@@ -145,13 +149,7 @@ impl Analysis {
             Self::Draft(_) => AnalysisKind::Draft,
         }
     }
-}
 
-/// The colours of a scale: at its lower end, in the middle and at its upper end; red, green and blue, each 0 … 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ScaleColors([[f32; 3]; 3]);
-
-impl Analysis {
     /// From blue to grey to red. Keep in step with `glsl/common/analysis.glsl`.
     pub(crate) const CURVATURE_COLORS: ScaleColors =
         ScaleColors([[0.23, 0.3, 0.75], [0.87, 0.87, 0.87], [0.71, 0.02, 0.15]]);
@@ -282,9 +280,7 @@ impl CurvatureKind {
             Self::Largest => "largest",
         }
     }
-}
 
-impl CurvatureKind {
     /// Its value at a point whose visible side is that of Su × Sv (1) or the other one (−1).
     pub(crate) fn of(self, curvature: &SurfaceCurvature, side: f64) -> f64 {
         match self {
