@@ -2,8 +2,9 @@
 //!
 //! It prints medians of alternating measurements, and the ratios under the limits at which they should stay.
 
+use std::hint::black_box;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 const ROUNDS: usize = 7;
@@ -20,7 +21,13 @@ fn main() {
     for number in 0..COUNT {
         std::fs::write(folder.path().join(format!("in/{number}.bpt")), &teapot).expect("a scene");
     }
-    let mut found = [const { Vec::new() }; 4];
+    for number in 0..COUNT {
+        let half = format!("halves/{}", number % 2);
+        std::fs::create_dir_all(folder.path().join(&half)).expect("a folder");
+        let scene = folder.path().join(format!("{half}/{number}.bpt"));
+        std::fs::write(scene, &teapot).expect("a scene");
+    }
+    let mut found = [const { Vec::new() }; 6];
     for _ in 0..ROUNDS {
         let times = [
             alone(folder.path()),
@@ -28,10 +35,12 @@ fn main() {
             // Drawn by one thread, as by each of two workers.
             workers(folder.path(), "1", Some("0")),
             workers(folder.path(), "2", None),
+            two_programs(folder.path()),
+            cores(),
         ];
         found.iter_mut().zip(times).for_each(|(found, rate)| found.push(rate));
     }
-    let [alone, one, one_thread, two] = found.map(|mut rates| {
+    let [alone, one, one_thread, two, apart, cores] = found.map(|mut rates| {
         rates.sort_by(f64::total_cmp);
         rates[ROUNDS / 2]
     });
@@ -40,8 +49,11 @@ fn main() {
     println!("--jobs 1             {one:8.1}");
     println!("--jobs 1, one thread {one_thread:8.1}");
     println!("--jobs 2             {two:8.1}");
+    println!("two programs         {apart:8.1}");
     println!("--jobs 2 over a process for each: {:.1} (at least 8)", two / alone);
     println!("--jobs 2 over one worker of one thread: {:.2} (at least 1.7)", two / one_thread);
+    println!("two programs over one worker of one thread: {:.2}", apart / one_thread);
+    println!("arithmetic on two cores over one: {cores:.2}");
 }
 
 fn program(folder: &Path, input: &str, output: &str) -> Command {
@@ -69,4 +81,32 @@ fn workers(folder: &Path, jobs: &str, threads: Option<&str>) -> f64 {
     command.args(["--jobs", jobs]);
     command.envs(threads.map(|threads| ("LP_NUM_THREADS", threads)));
     run(COUNT, [command])
+}
+
+/// The same as two workers, but each is of a program of its own, and knows nothing of the other.
+fn two_programs(folder: &Path) -> f64 {
+    let start = Instant::now();
+    let programs = ["0", "1"].map(|half| {
+        let mut command = program(folder, &format!("halves/{half}"), "apart/");
+        command.args(["--jobs", "1"]).env("LP_NUM_THREADS", "0").stdout(Stdio::null());
+        command.spawn().expect("the program")
+    });
+    for mut program in programs {
+        assert!(program.wait().expect("the program").success());
+    }
+    COUNT as f64 / start.elapsed().as_secs_f64()
+}
+
+/// How many times as much two threads do as one, of what needs no memory: what the machine allows.
+fn cores() -> f64 {
+    let work = || {
+        let sum = (0..200_000_000_u64).fold(1, |sum: u64, i| black_box(sum.wrapping_mul(i | 1)));
+        black_box(sum);
+    };
+    let time = |threads: usize| {
+        let start = Instant::now();
+        std::thread::scope(|scope| (0..threads).for_each(|_| drop(scope.spawn(work))));
+        start.elapsed().as_secs_f64()
+    };
+    2.0 * time(1) / time(2)
 }

@@ -31,6 +31,15 @@ const float STEEPEST = 4.0;
 const float STEEPEST = 8.0;
 #endif
 
+#ifndef LINES
+// Bits 0 and 1: the start or the end is cut. Bit 2: which side is the outside of a solid is known. Then bits 3 and 4: the
+// normal of the face to the left or right points inwards.
+int codesOf(vec4 shape)
+{
+    return int(floor(0.25 * (shape.w + 2.0)));
+}
+#endif
+
 // The share of the segment that lies before the point nearest to a place, and the squared distance from that point; more
 // than the reach of the stroke where it does not draw.
 vec2 nearest(vec4 ends, vec4 shape, vec2 place)
@@ -41,8 +50,8 @@ vec2 nearest(vec4 ends, vec4 shape, vec2 place)
     float share = clamp(unclamped, 0.0, 1.0);
     bool isOn = shape.z > 0.0 || along.x * off.y >= along.y * off.x;
 #ifndef LINES
-    int cutEnds = int(floor(0.25 * (shape.w + 2.0))); // bit 0: the start, bit 1: the end
-    isOn = isOn && ((cutEnds & 1) == 0 || unclamped >= 0.0) && ((cutEnds & 2) == 0 || unclamped <= 1.0);
+    int codes = codesOf(shape);
+    isOn = isOn && ((codes & 1) == 0 || unclamped >= 0.0) && ((codes & 2) == 0 || unclamped <= 1.0);
 #endif
     off -= share * along;
     return vec2(share, isOn ? dot(off, off) : 1e30);
@@ -119,7 +128,14 @@ void main()
 #elif defined(DRAFT)
     fragmentColor = vec4(draft(from + depth * direction, normal), 1.0);
 #elif defined(STUDIO)
-    fragmentColor = vec4(lit(linearOf(paint), from + depth * direction, -normal, vec3(0.0)), 1.0);
+    // At a silhouette, normals that are interpolated may point a little away from the eye.
+    vec3 outwards = vec3(0.0);
+#ifndef LINES
+    int codes = codesOf(shape);
+    if ((codes & 4) != 0)
+        outwards = (codes & (side == 0 ? 8 : 16)) == 0 ? normal : -normal;
+#endif
+    fragmentColor = vec4(lit(linearOf(paint), from + depth * direction, -normal, outwards), 1.0);
 #elif defined(PHONG)
     fragmentColor = vec4(lit(paint, from + depth * direction, -normal), 1.0); // Sv × Su, as in the thesis
 #elif defined(NORMALS)
@@ -131,7 +147,7 @@ void main()
 #ifdef LINES
     float behind = shape.w;
 #else
-    float behind = shape.w - 4.0 * floor(0.25 * (shape.w + 2.0));
+    float behind = shape.w - 4.0 * float(codesOf(shape));
 #endif
     depth += behind * halfWidth * pixel;
 #if defined(LINES) && SAMPLES > 1

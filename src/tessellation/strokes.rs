@@ -42,6 +42,10 @@ const BEHIND: f32 = 0.25;
 const FAR_BEHIND: f32 = 1.0;
 /// What is added to the above if the start of a segment is cut, and if its end is.
 const CUT_ENDS: [f32; 2] = [4.0, 8.0];
+/// What is added if it is known which side of the faces is the outside of a solid.
+const KNOWS_OUTSIDE: f32 = 16.0;
+/// What is added then if the normal of the face to the left points into the solid, and if that to the right does.
+const INWARDS: [f32; 2] = [32.0, 64.0];
 /// An edge is closed if its ends are nearer to each other than this, as a share of its extent.
 const CLOSED: f64 = 1e-6;
 /// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
@@ -64,7 +68,8 @@ pub(crate) struct StrokeSegment {
     /// Half of the width in pixels; negative if only the left side is drawn.
     half_width: f32,
     /// How much farther than the faces' planes it is drawn, as a share of half of the width; lines are drawn nearer. A
-    /// stroke that closes a gap has [`CUT_ENDS`] added for each end that is not round.
+    /// stroke that closes a gap has [`CUT_ENDS`] added for each end that is not round, [`KNOWS_OUTSIDE`] and
+    /// [`INWARDS`].
     behind: f32,
     /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
     /// colour, the normal at the end and the number of a patch. The same for the face to the right.
@@ -399,6 +404,12 @@ impl StrokeView {
             (if a < 0.0 { [1, 0] } else { [0, 1] }, behind)
         };
         let half_width = if is_fold && is_clear { -half_width } else { half_width };
+        let outside = joint.outside.map_or(0.0, |(_, signs)| {
+            let is_mirrored = joint.transform.determinant() < 0.0;
+            let points_in = |face: usize| (signs[face] < 0.0) != is_mirrored;
+            let inwards = [to_left, to_right].map(points_in).into_iter().zip(INWARDS);
+            KNOWS_OUTSIDE + inwards.filter(|(is, _)| *is).map(|(_, code)| code).sum::<f32>()
+        });
         let face = |face: usize| {
             let [start, end] = ends.map(|(_, end)| end.shares[face]);
             let color = joint.sides[face].paint.color_at(start.midpoint(end))?;
@@ -415,7 +426,7 @@ impl StrokeView {
             ends: places.map(DVec2::as_vec2),
             depths: DVec2::new(-ends[0].0.z, -ends[1].0.z).as_vec2(),
             half_width: half_width as f32,
-            behind,
+            behind: behind + outside,
             faces: [face(to_left)?, face(to_right)?],
             shares: [shares(to_left), shares(to_right)],
         };

@@ -2,7 +2,7 @@
 
 use freeform_surface::inspect::measure::random_view;
 use freeform_surface::{Aovs, Camera, FrameStats, Lens, Rect, Scene, Surface};
-use glam::{DVec2, DVec3, Vec3, uvec2};
+use glam::{DMat4, DVec2, DVec3, Vec3, dvec3, uvec2};
 
 use crate::harness::patches::within;
 use crate::harness::{Stage, load, root};
@@ -134,4 +134,35 @@ fn a_solid_whose_inside_can_be_seen_is_drawn_whole() {
     lines.settings.wireframe = true;
     let pictures = [&lines, &open(&lines)].map(|scene| stage.render(scene));
     assert!(pictures[0] == pictures[1], "lines");
+}
+
+/// At silhouettes, normals along edges may point a little away from the eye. Strokes are lit from outside all the same.
+/// Of faces, a triangle that is seen edge-on may still show a pixel of its other side.
+#[test]
+fn edges_at_silhouettes_have_no_bright_specks() {
+    const FRAMES: u32 = 12;
+    let size = uvec2(640, 480);
+    let mut stage = Stage::new(size);
+    let mut specks = 0;
+    for mirror in [1.0, -1.0] {
+        let mut scene = own("bracket");
+        for surface in &mut scene.surfaces {
+            surface.transform = DMat4::from_scale(dvec3(mirror, 1.0, 1.0)) * surface.transform;
+        }
+        let table = scene.turntable(scene.up, stage.aspect());
+        let mut prepared = stage.prepared(&scene);
+        for number in 0..FRAMES {
+            scene.camera = Some(table.at(f64::from(number) / f64::from(FRAMES)));
+            let picture = stage.picture(&mut prepared, &stage.frame(&scene));
+            let light = |x: u32, y: u32| -> u32 {
+                picture.get_pixel(x, y).0[..3].iter().copied().map(u32::from).sum()
+            };
+            for (x, y) in (1..size.y - 1).flat_map(|y| (1..size.x - 1).map(move |x| (x, y))) {
+                let around = (0..9).filter(|i| *i != 4);
+                let most = around.map(|i| light(x + i % 3 - 1, y + i / 3 - 1)).max();
+                specks += u32::from(most.is_some_and(|most| light(x, y) > most + 40));
+            }
+        }
+    }
+    assert!(specks <= 5, "{specks} pixels are brighter than all of their neighbours");
 }
