@@ -28,7 +28,7 @@ pub use curvature::{CurvedPoint, SurfaceCurvature};
 pub(crate) use elevate::{elevate, elevate_curve};
 pub use nurbs::NurbsSurface;
 pub(crate) use nurbs::{PatchGrid, span_of};
-pub(crate) use product::{composition, product, product_share};
+pub(crate) use product::{binomials, compositions, product};
 pub(crate) use split::{split, split_slice};
 
 use crate::error::{Error, Result};

@@ -43,6 +43,19 @@ pub(crate) fn map<T: Send>(count: usize, of: impl Fn(usize) -> T + Sync) -> Vec<
     all.into_iter().map(|(_, result)| result).collect()
 }
 
+/// The results of a function for all numbers. `first` has, for each of them, the first one with the same result; only for
+/// those the function is called.
+pub(crate) fn map_alike<T: Clone + Send>(
+    first: &[usize],
+    of: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let distinct: Vec<usize> = (0..first.len()).filter(|i| first[*i] == *i).collect();
+    let found = map(distinct.len(), |i| of(distinct[i]));
+    let mut place = vec![0; first.len()];
+    distinct.iter().enumerate().for_each(|(i, number)| place[*number] = i);
+    first.iter().map(|number| found[place[*number]].clone()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
@@ -56,5 +69,15 @@ mod tests {
             assert!(found.iter().copied().eq((0..count).map(|number| number * number)));
             assert_eq!(asked.into_inner(), count);
         }
+    }
+    #[test]
+    fn alike_numbers_are_asked_for_once() {
+        let asked = std::sync::atomic::AtomicUsize::new(0);
+        let found = super::map_alike(&[0, 0, 2, 0, 2, 5], |number| {
+            asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            10 * number
+        });
+        assert_eq!(found, [0, 0, 20, 0, 20, 50]);
+        assert_eq!(asked.into_inner(), 3);
     }
 }

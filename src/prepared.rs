@@ -19,7 +19,9 @@ use crate::renderer::{
     ControlPoints, DrawList, Frame, LocalFrame, PatchShapes, PreparedMesh, PreparedSurface,
     RaisedPatches, Renderer, Solids, Strokes, SurfaceJoint,
 };
-use crate::scene::{Analysis, CadModel, FaceOfModel, Method, Paint, Scene, Surface, joined};
+use crate::scene::{
+    Analysis, CadModel, FaceOfModel, Method, Paint, Scene, Surface, first_alike, joined,
+};
 use crate::tessellation::{EdgeSource, EdgeTable, FrameStats, Raised, raised};
 
 /// A scene uploaded to the driver, ready to be drawn from any viewpoint.
@@ -68,7 +70,10 @@ impl PreparedScene {
             }
             let mut uploaded = ControlPoints::upload(gl, &points)?.into_iter();
             let mut uploaded = || uploaded.next().expect("all points were uploaded");
-            let shapes = parallel::map(raised.len(), |number| match &raised[number] {
+            // Raised patches are like no others.
+            let own = scene.surfaces.iter().zip(&raised);
+            let alike = first_alike(own.map(|(own, raised)| raised.is_none().then_some(own)));
+            let shapes = parallel::map_alike(&alike, |number| match &raised[number] {
                 Some(raised) => PatchShapes::new(raised.degree, &raised.points),
                 None => {
                     let surface = &scene.surfaces[number];

@@ -42,8 +42,8 @@ pub use settings::{
     EdgeColor, Edges, IsolineCount, Isolines, Light, LineWidth, Method, Normals, RenderSettings,
     Samples, TessLevel, Tessellation, Tolerance, UpAxis,
 };
-pub(crate) use surface::check_transform;
 pub use surface::{Cull, Paint, Shading, Surface, default_control_points};
+pub(crate) use surface::{check_transform, first_alike};
 pub use texture::load_texture;
 pub use write::SceneText;
 

@@ -67,7 +67,8 @@ impl DrawnFace {
                 rows = (0..=ROWS)
                     .map(|i| low.y + f64::from(i) / f64::from(ROWS) * (high.y - low.y))
                     .collect();
-                (gauss(2), gauss(5))
+                // Of a polynomial patch of degree p, the integrand has the degree 3 p − 1 along u.
+                (gauss(2), gauss((degree.u() as u32 * 3).div_ceil(2).min(5)))
             }
         };
         let mut sum = 0.0;

@@ -1,10 +1,13 @@
 //! Edges as lines and cubics in the parameters of the drawn surface.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec2;
 
 use super::chart::{Axis, Profile};
+use super::joints::JointCurve as _;
 use super::projection::{Trace, TracedCurve};
-use super::{FaceSurface, Frame};
+use super::{Curve, FaceSurface, Frame};
 use crate::trim::{Segment, TrimCurve};
 
 /// How accurate fitted curves are.
@@ -21,6 +24,8 @@ const SAFETY: f64 = 0.5;
 const MAX_HALVINGS: u32 = 14;
 /// An edge of more segments is taken as it is: its projection is rough.
 const MAX_SEGMENTS: usize = 2000;
+/// So many arcs of a circle are within every distance that a file can ask for.
+const MAX_ARCS: u32 = 1000;
 
 /// A place on an edge in drawn parameters.
 #[derive(Clone, Copy)]
@@ -62,6 +67,9 @@ impl Fit<'_> {
     pub(super) fn segments(&self) -> Fitted {
         /// Exact curves of more segments are fitted too.
         const MANY: usize = 4;
+        if let Some(arcs) = self.arcs() {
+            return arcs.into();
+        }
         let exact = self.exact();
         if let Some(segments) = exact.as_ref().filter(|segments| segments.len() == 1) {
             return segments.clone().into();
@@ -109,6 +117,31 @@ impl Fit<'_> {
             from = to;
         }
         fitted
+    }
+
+    /// Circles and ellipses on planes: of all cubics of arcs, the fewest that are near enough.
+    fn arcs(&self) -> Option<Vec<Segment>> {
+        let (TracedCurve::Edge(edge), FaceSurface::Plane(frame)) =
+            (self.trace.curve, self.trace.sheet.surface)
+        else {
+            return None;
+        };
+        let radius = match edge.curve {
+            Curve::Circle { radius, .. } => radius,
+            Curve::Ellipse { radii, .. } => radii[0].max(radii[1]),
+            _ => return None,
+        };
+        if self.axes != [Axis::Same; 2] {
+            return None;
+        }
+        let [first, last] = self.trace.range;
+        let count = f64::from(arcs_within(last - first, self.accuracy.in_space / radius)?);
+        let at = |i: f64| first + i / count * (last - first);
+        let arc = |i: u32| {
+            let points = edge.cubic(at(i.into()), at(f64::from(i) + 1.0));
+            Segment::Cubic(points.map(|point| frame.local(point).truncate() + self.shift))
+        };
+        Some((0..count as u32).map(arc).collect())
     }
 
     /// Curves that need no fit: p-curves whose parameters are those of the drawn surface, and edges of planes.
@@ -195,6 +228,20 @@ impl Fit<'_> {
     }
 }
 
+/// The least number of equal arcs of a unit circle whose cubics ([`JointCurve::cubic`]) are within a distance of them.
+///
+/// The square of the distance of such a cubic from the middle exceeds 1 by at most 4/27 sin⁶(a/4) / cos²(a/4) for an arc
+/// of the angle a: Goldapp, *Approximation of circular arcs by cubic polynomials*, 1991. A distance from an ellipse is at
+/// most the longer radius times that.
+fn arcs_within(angle: f64, distance: f64) -> Option<u32> {
+    let is_within = |count: &u32| {
+        let (sine, cosine) = (0.25 * angle / f64::from(*count)).sin_cos();
+        2.0 / 27.0 * sine.powi(6) <= distance * cosine * cosine
+    };
+    let least = (angle / FRAC_PI_2).ceil().max(1.0) as u32;
+    (least..least + MAX_ARCS).find(is_within)
+}
+
 /// The point of a cubic nearest to a place, in space, from a parameter nearby.
 fn nearest(cubic: &[DVec2; 4], place: &Place, share: f64) -> DVec2 {
     let scale = place.scale.max(DVec2::splat(1e-3 * place.scale.max_element()));
@@ -266,4 +313,33 @@ fn fitted(from: &Place, thirds: &[Place; 2], to: &Place) -> Option<[DVec2; 4]> {
         }
     }
     Some(cubic(by).map(|point| point / scale))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::model::BoundedCurve;
+
+    #[test]
+    fn arcs_are_as_few_as_their_distance_from_the_circle_allows() {
+        let frame = Frame { origin: DVec3::ZERO, x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
+        let curve = Curve::Circle { frame, radius: 1.0 };
+        for angle in [0.3, 1.0, FRAC_PI_2, 4.0, 2.0 * std::f64::consts::PI] {
+            let edge = BoundedCurve { curve: curve.clone(), range: [0.0, angle] };
+            let off = |count: u32| {
+                let cubic = edge.cubic(0.0, angle / f64::from(count)).map(DVec3::truncate);
+                let radius = |i: u32| with_slope(&cubic, f64::from(i) / 600.0)[0].length();
+                (0..=600).map(|i| (radius(i) - 1.0).abs()).fold(0.0, f64::max)
+            };
+            for distance in [1e-3, 1e-5, 1e-7, 1e-9] {
+                let count = arcs_within(angle, distance).unwrap();
+                assert!(off(count) <= distance, "{count} arcs of {angle} within {distance}");
+                let is_least =
+                    angle / f64::from(count - 1) > FRAC_PI_2 || off(count - 1) > distance;
+                assert!(count == 1 || is_least, "{count} arcs of {angle} within {distance}");
+            }
+        }
+    }
 }

@@ -37,7 +37,7 @@ pub struct PreparedSurface {
 }
 
 /// What planning needs of the patches of a surface.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct PatchShapes {
     /// One cone for each patch.
     cones: Vec<NormalCone>,

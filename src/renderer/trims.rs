@@ -1,11 +1,13 @@
 //! The trims of surfaces in the driver's memory, in one form for each method.
 
+use std::collections::HashMap;
+
 use crate::bezier::PatchGrid;
 use crate::error::{Error, Result};
 use crate::gpu::{Gl, TexelBuffer};
 use crate::parallel;
 use crate::programs::{TRIM_WORDS_UNIT, TrimFeatures};
-use crate::scene::{Method, RenderSettings, Tessellation};
+use crate::scene::{Method, RenderSettings, Surface, Tessellation, first_alike};
 use crate::tessellation::SurfaceTrims;
 use crate::thesis::trims::ThesisTrims;
 use crate::trim::{TrimGrid, Trims};
@@ -46,10 +48,10 @@ impl UploadedTrims {
 }
 
 /// The exact method's grids of a surface, and the results of trimming sub-patches with them.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct ExactTrims {
     pub(super) surface: SurfaceTrims,
-    /// No two trims have the same number.
+    /// Trims with the same number have the same grids.
     number: u64,
 }
 
@@ -64,19 +66,15 @@ impl ExactTrims {
     }
 }
 
-/// Makes the exact grids of the surfaces that lack them, by several threads.
+/// Makes the exact grids of the surfaces that lack them, by several threads. Surfaces that are alike share them.
 pub(super) fn make_exact(surfaces: &mut [PreparedSurface]) {
     let lacking: Vec<usize> = (0..surfaces.len())
         .filter(|number| surfaces[*number].uploaded_trims().exact.is_none())
         .collect();
-    let of_each: Vec<_> = lacking
-        .iter()
-        .map(|number| surfaces[*number].surface())
-        .map(|surface| (&surface.trims, surface.patch_grid()))
-        .collect();
-    let made = parallel::map(of_each.len(), |i| {
-        let (trims, patches) = of_each[i];
-        ExactTrims::new(trims, patches)
+    let of_each: Vec<&Surface> = lacking.iter().map(|number| surfaces[*number].surface()).collect();
+    let first = first_alike(of_each.iter().copied().map(Some));
+    let made = parallel::map_alike(&first, |i| {
+        ExactTrims::new(&of_each[i].trims, of_each[i].patch_grid())
     });
     for (number, exact) in lacking.into_iter().zip(made) {
         surfaces[number].set_exact_trims(exact);
@@ -122,7 +120,8 @@ struct Slot {
     /// That of the trims.
     number: Option<u64>,
     first: usize,
-    size: usize,
+    /// The number of words that other trims may take the place of: 0 if surfaces share them.
+    room: usize,
 }
 
 impl TrimWords {
@@ -139,13 +138,13 @@ impl TrimWords {
                 continue;
             }
             let size = exact.size();
-            if size > slot.size {
+            if size > slot.room {
                 if self.used + size > self.room {
                     // If this fails, nothing is uploaded.
                     let uploaded = self.upload_all(gl, surfaces);
                     return uploaded.inspect_err(|_| *self = Self::default());
                 }
-                *slot = Slot { first: self.used, size, ..*slot };
+                *slot = Slot { first: self.used, room: size, ..*slot };
                 self.used += size;
             }
             slot.number = Some(exact.number);
@@ -164,11 +163,19 @@ impl TrimWords {
         const MOST: usize = ALIGNMENT << 24;
         self.buffer = None;
         self.used = 0;
-        for (slot, surface) in self.slots.iter_mut().zip(surfaces) {
-            let exact = surface.uploaded_trims().exact.as_ref();
-            let size = exact.map_or(0, ExactTrims::size);
-            *slot = Slot { number: exact.map(|exact| exact.number), first: self.used, size };
-            self.used += size;
+        let mut known = HashMap::new();
+        for (i, surface) in surfaces.iter().enumerate() {
+            self.slots[i] = Slot::default();
+            let Some(exact) = &surface.uploaded_trims().exact else { continue };
+            let own = *known.entry(exact.number).or_insert(i);
+            if own == i {
+                let (number, room) = (Some(exact.number), exact.size());
+                self.slots[i] = Slot { number, first: self.used, room };
+                self.used += room;
+            } else {
+                self.slots[own].room = 0;
+                self.slots[i] = self.slots[own];
+            }
         }
         if self.used > MOST {
             return Err(Error::Driver {

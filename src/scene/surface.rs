@@ -1,5 +1,6 @@
 //! Surfaces of a scene: patches with their transform, style and trims.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
@@ -373,6 +374,19 @@ pub fn default_control_points() -> Vec<DVec4> {
 }
 
 /// Checks a matrix from model space to world space.
+/// For each surface, the number of an earlier one of the same shape, or its own: the first one that has the same control
+/// points is looked at. What is `None` is like nothing else.
+pub(crate) fn first_alike<'a>(surfaces: impl Iterator<Item = Option<&'a Surface>>) -> Vec<usize> {
+    let mut first_with = HashMap::new();
+    let first = |(number, surface): (usize, Option<&'a Surface>)| {
+        let Some(surface) = surface else { return number };
+        let (first, other) =
+            *first_with.entry(surface.patch_points.as_ptr()).or_insert((number, surface));
+        if surface.has_shape_of(other) { first } else { number }
+    };
+    surfaces.enumerate().map(first).collect()
+}
+
 pub(crate) fn check_transform(matrix: &DMat4) -> Result<()> {
     for column in [matrix.x_axis, matrix.y_axis, matrix.z_axis, matrix.w_axis] {
         check_coordinates("model matrix", column.truncate())?;

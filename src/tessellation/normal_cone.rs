@@ -8,7 +8,7 @@
 
 use glam::{DVec3, DVec4, Vec3};
 
-use crate::bezier::{Degree, homogeneous, product_share, split_slice};
+use crate::bezier::{Degree, binomials, homogeneous, split_slice};
 
 /// The form of evaluation that a patch needs. Each kind has its own shader programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,8 +62,9 @@ impl NormalCone {
         let origin = if is_rational { points[0].truncate().extend(0.0) } else { DVec4::ZERO };
         let points = points.iter().map(|point| homogeneous(*point - origin)).collect();
         let net = Net { columns, rows, is_rational, points };
-        let longest = net.tangents().map(|tangents| longest(&tangents));
-        match net.min_cosine(axis, longest, 0) {
+        let tangents = net.tangents();
+        let longest = [longest(&tangents[0]), longest(&tangents[1])];
+        match net.min_cosine(axis, tangents, longest, 0) {
             Some(cosine) => {
                 let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
                 // Rounded conservatively.
@@ -133,13 +134,18 @@ impl Net {
     }
 
     /// The smallest cosine between the axis and any normal; `None` if a normal may vanish or turn further
-    /// than the splits can tell. `longest` are the longest tangents of the whole patch, as the split patch
-    /// has them.
-    fn min_cosine(&self, axis: DVec3, longest: [f64; 2], splits: u32) -> Option<f64> {
+    /// than the splits can tell. It is found from the net's tangents. `longest` are the longest tangents of the whole
+    /// patch, as the split patch has them.
+    fn min_cosine(
+        &self,
+        axis: DVec3,
+        [along_u, along_v]: [Vec<DVec3>; 2],
+        longest: [f64; 2],
+        splits: u32,
+    ) -> Option<f64> {
         // Shaders count shorter tangents, relative to the longest, as zero.
         const SHORT: f64 = 2e-3;
         const MIN: f64 = 0.02;
-        let [along_u, along_v] = self.tangents();
         let mut min = 1.0_f64;
         let mut long = true;
         for a in &along_u {
@@ -164,7 +170,8 @@ impl Net {
         for half in self.halves(true) {
             for quarter in half.halves(false) {
                 let longest = longest.map(|length| 0.5 * length);
-                min = min.min(quarter.min_cosine(axis, longest, splits + 1)?);
+                let tangents = quarter.tangents();
+                min = min.min(quarter.min_cosine(axis, tangents, longest, splits + 1)?);
             }
         }
         Some(min)
@@ -203,18 +210,24 @@ fn longest(tangents: &[DVec3]) -> f64 {
 /// The Bernstein coefficients of A′·w − A·w′, where (A, w) is the patch of a net and `slopes` are the control
 /// points of its derivative, in the given columns and rows.
 fn quotient(slopes: &[DVec4], [columns, rows]: [usize; 2], net: &Net) -> Vec<DVec3> {
+    // Of coefficients times binomial coefficients, products are convolutions.
+    let factors = |columns: usize, rows: usize| {
+        binomials(rows).flat_map(move |row| binomials(columns).map(move |column| row * column))
+    };
+    let slopes = slopes.iter().zip(factors(columns, rows)).map(|(slope, by)| by * *slope);
+    let points: Vec<DVec4> =
+        net.points.iter().zip(factors(net.columns, net.rows)).map(|(p, by)| by * *p).collect();
     let size = [columns + net.columns - 1, rows + net.rows - 1];
     let mut product = vec![DVec3::ZERO; size[0] * size[1]];
-    for (i, slope) in slopes.iter().enumerate() {
-        for (j, point) in net.points.iter().enumerate() {
-            let of_slope = [i % columns, i / columns];
-            let of_point = [j % net.columns, j / net.columns];
-            let share = product_share([columns, net.columns], [of_slope[0], of_point[0]])
-                * product_share([rows, net.rows], [of_slope[1], of_point[1]]);
-            let at = (of_slope[1] + of_point[1]) * size[0] + of_slope[0] + of_point[0];
-            product[at] += share * (slope.truncate() * point.w - point.truncate() * slope.w);
+    for (i, slope) in slopes.enumerate() {
+        for (row, points) in points.chunks_exact(net.columns).enumerate() {
+            let first = (i / columns + row) * size[0] + i % columns;
+            for (sum, point) in product[first..].iter_mut().zip(points) {
+                *sum += slope.truncate() * point.w - point.truncate() * slope.w;
+            }
         }
     }
+    product.iter_mut().zip(factors(size[0], size[1])).for_each(|(sum, by)| *sum /= by);
     product
 }
 

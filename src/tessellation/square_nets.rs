@@ -26,7 +26,7 @@ pub(crate) use with_side;
 const NET_SIDES: [usize; 8] = [2, 3, 4, 5, 6, 8, 12, 16];
 
 /// The square nets of the patches of a surface.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct SquareNets {
     degree: Degree,
     side: usize,

@@ -105,7 +105,7 @@ const WORTH_IT: f32 = 0.8;
 
 /// A patch split at one level: columns and rows of the sub-patches that the trims keep entirely, and of those that
 /// the trims may cut. Sub-patches that are cut away entirely are omitted.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct FixedSplit {
     pub(crate) split: Split,
     pub(crate) kept: Vec<[u32; 2]>,
@@ -150,7 +150,7 @@ impl FixedSplit {
 }
 
 /// The results of trimming the sub-patches of patches with one grid, for every subdivision requested so far.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct TrimSplits {
     grid: Arc<TrimGrid>,
     /// Results by split depth along u and v, row by row.

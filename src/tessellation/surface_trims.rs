@@ -21,7 +21,7 @@ pub(crate) enum PatchCut {
 }
 
 /// The trims of a surface's patches, and what they do to the patches' sub-patches.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct SurfaceTrims {
     grids: Vec<TrimSplits>,
     /// For each patch. If there is only one, it holds for all patches.

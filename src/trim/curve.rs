@@ -9,7 +9,7 @@
 use glam::{DVec2, DVec3};
 
 use super::{MAX_SEGMENTS, ParameterSizes, SNAP, Segment, TrimLoop, check_finite};
-use crate::bezier::{Degree, bezier_curves, check_knots, composition, product, split_slice};
+use crate::bezier::{Degree, bezier_curves, check_knots, compositions, product, split_slice};
 use crate::error::{Error, Result};
 
 /// The largest distance between a curve and its segments, if the smallest patch has a size of 1 to 2.
@@ -369,15 +369,16 @@ fn distance_bound(points: &[DVec3], cubic: &[DVec2; 4], inner: &[f64; 6]) -> f64
     // Relative to the start, so that fewer digits are lost.
     let start = cubic[0];
     let weight: Vec<f64> = points.iter().map(|point| point.z).collect();
-    let weight = composition(&weight, inner);
+    let [x, y] = [0, 1].map(|axis| {
+        points.iter().map(|point| point[axis] - start[axis] * point.z).collect::<Vec<f64>>()
+    });
+    let [weight, x, y] = compositions([&weight, &x, &y], inner);
     let min_weight = weight.iter().copied().fold(f64::INFINITY, f64::min);
     if min_weight <= 0.0 {
         return f64::INFINITY;
     }
-    let differences = [0, 1].map(|axis| {
-        let of_curve: Vec<f64> =
-            points.iter().map(|point| point[axis] - start[axis] * point.z).collect();
-        let of_curve = product(&composition(&of_curve, inner), &[1.0; 4]);
+    let differences = [(0, x), (1, y)].map(|(axis, of_curve)| {
+        let of_curve = product(&of_curve, &[1.0; 4]);
         let of_cubic = product(&weight, &cubic.map(|point| point[axis] - start[axis]));
         of_curve.iter().zip(of_cubic).map(|(a, b)| a - b).collect::<Vec<_>>()
     });
