@@ -17,6 +17,7 @@ mod bspline;
 mod curvature;
 mod elevate;
 mod nurbs;
+mod parabola;
 mod product;
 mod split;
 
@@ -28,6 +29,7 @@ pub use curvature::{CurvedPoint, SurfaceCurvature};
 pub(crate) use elevate::{elevate, elevate_curve};
 pub use nurbs::NurbsSurface;
 pub(crate) use nurbs::{PatchGrid, span_of};
+pub(crate) use parabola::{Difference, Parabola};
 pub(crate) use product::{binomials, compositions, product};
 pub(crate) use split::{split, split_slice};
 

@@ -1,4 +1,4 @@
-// A segment of a stroke: the samples within half a width of it, as part of the face on their side of it. The depth is
+// A segment of a stroke, a parabola: the samples within half a width of it, as part of the face on their side of it. The depth is
 // that of the plane of the face, shifted a little (src/tessellation/strokes.rs). With LINES, a segment of a line.
 
 layout(binding = 8) uniform samplerBuffer strokes;
@@ -31,63 +31,85 @@ const float STEEPEST = 4.0;
 const float STEEPEST = 8.0;
 #endif
 
-#ifndef LINES
-// Bits 0 and 1: the start or the end is cut. Bit 2: which side is the outside of a solid is known. Then bits 3 and 4: the
-// normal of the face to the left or right points inwards.
-int codesOf(vec4 shape)
-{
-    return int(floor(0.25 * (shape.w + 2.0)));
-}
-#endif
+// The first texels of a segment.
+struct Segment {
+    vec4 ends;
+    float halfWidth;    // negative if only the left side is drawn
+    vec3 sag;           // how far the middle is off the middle of the ends, in pixels; the same of the distances
+    int codes;          // bits 0 and 1: the start or the end is cut. 2: which side is the outside of a solid is known. 3 and
+                        // 4: the normal of the face to the left or right points inwards
+};
 
-// The share of the segment that lies before the point nearest to a place, and the squared distance from that point; more
-// than the reach of the stroke where it does not draw.
-vec2 nearest(vec4 ends, vec4 shape, vec2 place)
+// The place of a parameter from 0 to 1, and the derivative.
+vec2 placeAt(Segment stroke, float at)
 {
-    vec2 along = ends.zw - ends.xy, off = place - ends.xy;
+    return mix(stroke.ends.xy, stroke.ends.zw, at) + 4.0 * at * (1.0 - at) * stroke.sag.xy;
+}
+
+vec2 slopeAt(Segment stroke, float at)
+{
+    return stroke.ends.zw - stroke.ends.xy + 4.0 * (1.0 - 2.0 * at) * stroke.sag.xy;
+}
+
+// The parameter of the point nearest to a place; the squared distance from that point, more than the reach of the stroke
+// where it does not draw; and above 0 if the place lies to the left.
+vec3 nearest(Segment stroke, vec2 place)
+{
+    vec2 along = stroke.ends.zw - stroke.ends.xy;
     float size = dot(along, along);
-    float unclamped = size > 0.0 ? dot(off, along) / size : 0.0;
-    float share = clamp(unclamped, 0.0, 1.0);
-    bool isOn = shape.z > 0.0 || along.x * off.y >= along.y * off.x;
+    float unclamped = size > 0.0 ? dot(place - stroke.ends.xy, along) / size : 0.0;
+    if (stroke.sag.xy != vec2(0.0)) {
+        // Newton's method. Sags are below an eighth of the length (MOST_SAG).
+        for (int i = 0; i < 2; ++i) {
+            vec2 off = place - placeAt(stroke, unclamped), slope = slopeAt(stroke, unclamped);
+            float square = dot(slope, slope);
+            unclamped += dot(off, slope) / max(square + 8.0 * dot(off, stroke.sag.xy), 0.25 * square);
+            unclamped = clamp(unclamped, -1.0, 2.0);
+        }
+    }
+    float at = clamp(unclamped, 0.0, 1.0);
+    vec2 off = place - placeAt(stroke, at), slope = slopeAt(stroke, at);
+    float left = slope.x * off.y - slope.y * off.x;
+    bool isOn = stroke.halfWidth > 0.0 || left >= 0.0;
 #ifndef LINES
-    int codes = codesOf(shape);
-    isOn = isOn && ((codes & 1) == 0 || unclamped >= 0.0) && ((codes & 2) == 0 || unclamped <= 1.0);
+    isOn = isOn && ((stroke.codes & 1) == 0 || unclamped >= 0.0) && ((stroke.codes & 2) == 0 || unclamped <= 1.0);
 #endif
-    off -= share * along;
-    return vec2(share, isOn ? dot(off, off) : 1e30);
+    return vec3(at, isOn ? dot(off, off) : 1e30, left);
 }
 
 void main()
 {
-    int first = 8 * segment;
-    vec4 ends = texelFetch(strokes, first);
-    vec4 shape = texelFetch(strokes, first + 1);
+    int first = 10 * segment;
+    vec4 shape = texelFetch(strokes, first + 1), bend = texelFetch(strokes, first + 2);
+    Segment stroke = Segment(texelFetch(strokes, first), shape.z, bend.xyz, int(bend.w));
     float reach = shape.z * shape.z;
 #if SAMPLES > 1
     int kept = 0;
     for (int i = 0; i < SAMPLES; ++i)
-        if (nearest(ends, shape, interpolateAtSample(place, i)).y <= reach)
+        if (nearest(stroke, interpolateAtSample(place, i)).y <= reach)
             kept |= 1 << i;
 #ifndef LINES // whose depth has derivatives
     if (kept == 0)
         discard;
 #endif
     gl_SampleMask[0] = kept;
-    vec2 at = nearest(ends, shape, place);
+    vec3 at = nearest(stroke, place);
 #else
-    vec2 at = nearest(ends, shape, place);
+    vec3 at = nearest(stroke, place);
     if (at.y > reach)
         discard;
 #endif
-    vec2 along = ends.zw - ends.xy, off = place - ends.xy;
-    int side = along.x * off.y < along.y * off.x && shape.z > 0.0 ? 2 : 0;
-    vec4 start = texelFetch(strokes, first + 2 + side), end = texelFetch(strokes, first + 3 + side);
+    int side = at.z < 0.0 && shape.z > 0.0 ? 2 : 0;
+    vec4 start = texelFetch(strokes, first + 3 + side), end = texelFetch(strokes, first + 4 + side);
 
-    // Along the edge, distances change with the place on the screen as those of a straight line do.
+    // Along the edge, distances change with the place on the screen as those of a straight line do, apart from the sag.
     bool parallel = rayDirection[0].x == 0.0 && rayDirection[1].y == 0.0;
-    float share = parallel ? at.x : at.x * shape.x / mix(shape.y, shape.x, at.x);
-    float distance = mix(shape.x, shape.y, share);
-    vec2 middle = mix(ends.xy, ends.zw, at.x);
+    float across = mix(shape.y, shape.x, at.x);
+    float share = parallel ? at.x : at.x * shape.x / across;
+    float sag = 4.0 * at.x * (1.0 - at.x) * stroke.sag.z;
+    float distance = parallel ? mix(shape.x, shape.y, at.x) + sag
+        : shape.x * shape.y / across * (1.0 + sag / across);
+    vec2 middle = placeAt(stroke, at.x);
     vec4 here = vec4(middle / viewport.zw, 1.0, 0.0), there = vec4(place / viewport.zw, 1.0, 0.0);
     vec3 onEdge = (rayStart * here + distance * (rayDirection * here)).xyz;
     vec3 from = (rayStart * there).xyz, direction = (rayDirection * there).xyz;
@@ -110,8 +132,9 @@ void main()
     float size = dot(normal, normal);
     normal = size > 0.0 ? normal * inversesqrt(size) : vec3(0.0, 0.0, -1.0);
 #ifdef AOV
-    vec4 shares = texelFetch(strokes, first + 6 + side / 2);
-    uvAov = vec4(mix(shares.xy, shares.zw, share), -1.0 - end.w, 1.0);
+    vec4 shares = texelFetch(strokes, first + 7 + side / 2), sags = texelFetch(strokes, first + 9);
+    vec2 uv = mix(shares.xy, shares.zw, share) + 4.0 * share * (1.0 - share) * (side == 0 ? sags.xy : sags.zw);
+    uvAov = vec4(uv, -1.0 - end.w, 1.0);
     // The pixel shows the nearest point of the edge.
     positionAov = vec4((viewToWorld * vec4(onEdge, 1.0)).xyz, 1.0);
     normalAov = vec4(normalize(mat3(viewToWorld) * normal), distance);
@@ -130,11 +153,8 @@ void main()
 #elif defined(STUDIO)
     // At a silhouette, normals that are interpolated may point a little away from the eye.
     vec3 outwards = vec3(0.0);
-#ifndef LINES
-    int codes = codesOf(shape);
-    if ((codes & 4) != 0)
-        outwards = (codes & (side == 0 ? 8 : 16)) == 0 ? normal : -normal;
-#endif
+    if ((stroke.codes & 4) != 0)
+        outwards = (stroke.codes & (side == 0 ? 8 : 16)) == 0 ? normal : -normal;
     fragmentColor = vec4(lit(linearOf(paint), from + depth * direction, -normal, outwards), 1.0);
 #elif defined(PHONG)
     fragmentColor = vec4(lit(paint, from + depth * direction, -normal), 1.0); // Sv × Su, as in the thesis
@@ -144,12 +164,7 @@ void main()
     fragmentColor = vec4(paint, 1.0);
 #endif
 #endif
-#ifdef LINES
-    float behind = shape.w;
-#else
-    float behind = shape.w - 4.0 * float(codesOf(shape));
-#endif
-    depth += behind * halfWidth * pixel;
+    depth += shape.w * halfWidth * pixel;
 #if defined(LINES) && SAMPLES > 1
     // The samples of the pixel share this depth, those of the face do not: the face is nowhere in front.
     depth -= min(0.5 * fwidth(depth), STEEPEST * pixel);

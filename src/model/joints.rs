@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::projection::nearest_on;
 use super::{BoundedCurve, Curve, DrawnEdge, DrawnFace, Model, SMOOTH_DEGREES};
-use crate::bezier::SurfacePoint;
+use crate::bezier::{Difference, Parabola, SurfacePoint};
 use crate::error::Result;
 use crate::parallel;
 
@@ -54,17 +54,20 @@ pub struct JointPiece {
     pub points: [DVec3; 4],
     /// What the two faces are like at its start.
     pub start: [Beside; 2],
-    /// The same at its end.
+    /// (u, v) of both at half of its parameter, as [`Beside::share`].
+    pub middle: [Vec2; 2],
+    /// What they are like at its end.
     pub end: [Beside; 2],
 }
 
 /// A range of the pieces of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointRange {
-    /// The line between the ends of the range, moved by this, runs through the middle of its pieces.
-    pub shift: DVec3,
-    /// The largest distance of the pieces' control points from that line.
+    /// Upper bound of the distance of the pieces from the parabola through their ends and their middle.
     pub off: f64,
+    /// The same for points of equal parameters, of which each piece has the same share; and about how far the points of
+    /// the faces are from those, if (u, v) are interpolated by a parabola too.
+    pub drift: f64,
     /// Of both faces, the unit normal from which the normals along the range differ by at most the angle with the sine
     /// below; zero if that is not known, or a right angle or more.
     pub normals: [Vec3; 2],
@@ -149,36 +152,67 @@ impl Joint {
     }
 }
 
+impl JointPiece {
+    /// Its point at half of its parameter.
+    fn middle_point(&self) -> DVec3 {
+        point_of(&self.points, 0.5)
+    }
+
+    /// Where a range of pieces is half, and (u, v) of both faces there. All pieces have the same share of it.
+    pub(crate) fn middle_of(pieces: &[Self]) -> (DVec3, [Vec2; 2]) {
+        match &pieces[pieces.len() / 2] {
+            piece if pieces.len().is_multiple_of(2) => {
+                (piece.points[0], piece.start.map(|beside| beside.share))
+            }
+            piece => (piece.middle_point(), piece.middle),
+        }
+    }
+}
+
 /// Measures a range of pieces, and its halves.
 fn measure_ranges(pieces: &[JointPiece], number: usize, ranges: &mut Vec<JointRange>) {
     let [Some(first), Some(last)] = [pieces.first(), pieces.last()] else { return };
-    let middle = match &pieces[pieces.len() / 2] {
-        piece if pieces.len().is_multiple_of(2) => piece.points[0],
-        piece => point_of(&piece.points, 0.5),
+    let (middle, _) = JointPiece::middle_of(pieces);
+    let parabola = Parabola::through(first.points[0], middle, last.points[3]);
+    let share = |i: usize| i as f64 / pieces.len() as f64;
+    let difference = |(i, piece): (usize, &JointPiece)| {
+        parabola.compare(&piece.points, [share(i), share(i + 1)])
     };
-    let ([start, ..], [.., end]) = (first.points, last.points);
-    let shift = 0.5 * (middle - start.midpoint(end));
-    let [start, along] = [start + shift, end - start];
-    let off = |point: DVec3| {
-        let share = (point - start).dot(along) / along.length_squared();
-        let share = if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.0 };
-        point.distance(start + share * along)
-    };
+    let Difference { off, drift } =
+        pieces.iter().enumerate().map(difference).fold(Difference::default(), Difference::max);
     if ranges.len() <= number {
         ranges.resize(number + 1, JointRange::default());
     }
     let [one, other] = [0, 1].map(|face| normals_of(pieces, face));
-    ranges[number] = JointRange {
-        shift,
-        off: pieces.iter().flat_map(|piece| piece.points).map(off).fold(0.0, f64::max),
-        normals: [one.0, other.0],
-        sines: [one.1, other.1],
-    };
+    let drift = drift.max(share_drift(pieces));
+    ranges[number] = JointRange { off, drift, normals: [one.0, other.0], sines: [one.1, other.1] };
     if pieces.len() > 1 {
         let (first, second) = pieces.split_at(pieces.len() / 2);
         measure_ranges(first, 2 * number + 1, ranges);
         measure_ranges(second, 2 * number + 2, ranges);
     }
+}
+
+/// About how far points of both faces are from the pieces, if (u, v) are interpolated along them by a parabola: along an
+/// edge, distances in space go with those in parameters.
+fn share_drift(pieces: &[JointPiece]) -> f64 {
+    let [Some(first), Some(last)] = [pieces.first(), pieces.last()] else { return 0.0 };
+    let (point, middle) = JointPiece::middle_of(pieces);
+    let length = first.points[0].distance(point) + point.distance(last.points[3]);
+    let of_face = |face: usize| {
+        let (start, end) = (first.start[face].share, last.end[face].share);
+        let sag = middle[face] - start.midpoint(end);
+        let off = |(i, share): (usize, Vec2)| {
+            let at = i as f32 / (2 * pieces.len()) as f32;
+            share.distance(start.lerp(end, at) + 4.0 * at * (1.0 - at) * sag)
+        };
+        let shares = pieces.iter().flat_map(|piece| [piece.start[face].share, piece.middle[face]]);
+        let off = shares.enumerate().map(off).fold(0.0, f32::max);
+        let extent = start.distance(middle[face]) + middle[face].distance(end);
+        // Shares have 24 digits.
+        if off <= 1e-6 { 0.0 } else { f64::from(off / extent) * length }
+    };
+    of_face(0).max(of_face(1))
 }
 
 /// A normal of a face, and the sine of the largest angle between it and any along the pieces.
@@ -216,6 +250,8 @@ pub(crate) trait JointCurve {
     /// Parameters in ascending order, from the first to the last, between which the curve is smooth and short enough
     /// for a first cubic.
     fn breaks(&self) -> Vec<f64>;
+    /// Its point at a parameter.
+    fn point(&self, t: f64) -> DVec3;
     /// A cubic between two parameters.
     fn cubic(&self, from: f64, to: f64) -> [DVec3; 4];
     /// The distance of a point from the curve near a parameter.
@@ -240,6 +276,10 @@ impl JointCurve for BoundedCurve {
         }
         breaks.push(last);
         breaks
+    }
+
+    fn point(&self, t: f64) -> DVec3 {
+        self.curve.at(t)[0]
     }
 
     /// The cubic with the directions of the edge at its ends.
@@ -306,22 +346,28 @@ impl<'a> Border<'a> {
         Some(Self { surface: face, side: if edge.forward { 1.0 } else { -1.0 }, places, gap })
     }
 
-    /// What the surface is like at a parameter of the curve.
-    fn at(&self, t: f64) -> Place {
+    /// What the surface is like at a parameter of the curve, whose point there is given.
+    fn at(&self, t: f64, point: DVec3, tolerance: f64) -> Place {
         let next = self.places.partition_point(|(place, _)| *place < t);
         let next = next.clamp(1, self.places.len() - 1);
         let ((from, at_from), (to, at_to)) = (self.places[next - 1], self.places[next]);
         let share = ((t - from) / (to - from)).clamp(0.0, 1.0);
-        let uv = if share.is_finite() { at_from.lerp(at_to, share) } else { at_from };
-        let SurfacePoint { du, dv, .. } = self.surface.at(uv);
-        let normal = du.normalize_or_zero().cross(dv.normalize_or_zero()).normalize_or_zero();
-        Place { uv, normal: normal.as_vec3() }
+        let mut uv = if share.is_finite() { at_from.lerp(at_to, share) } else { at_from };
+        let mut at = self.surface.at(uv);
+        // Between the places, the border is bent.
+        let off = point - at.position;
+        if let Some(step) = step_along(&at, off).filter(|_| off.length() > tolerance) {
+            uv += step;
+            at = self.surface.at(uv);
+        }
+        let normal = at.du.normalize_or_zero().cross(at.dv.normalize_or_zero());
+        Place { uv, normal: normal.normalize_or_zero().as_vec3() }
     }
 
-    /// What the surface is like at both ends of a part of the curve, from the places there and in its middle.
-    fn beside(&self, [start, middle, end]: [Place; 3]) -> [Beside; 2] {
-        [start, end].map(|Place { uv, normal }| {
-            let share = self.surface.share(uv, middle.uv).clamp(DVec2::ZERO, DVec2::ONE);
+    /// The normals and (u, v) at the start, the middle and the end of a part of the curve.
+    fn beside(&self, places: [Place; 3]) -> [Beside; 3] {
+        places.map(|Place { uv, normal }| {
+            let share = self.surface.share(uv, places[1].uv).clamp(DVec2::ZERO, DVec2::ONE);
             Beside { normal, share: share.as_vec2() }
         })
     }
@@ -345,6 +391,16 @@ fn nearest_ahead(
     let nearest = (0..=SAMPLES).map(at).min_by(|a, b| off(a).total_cmp(&off(b)));
     let other = nearest_on(curve, point, nearest.unwrap_or(near));
     if other.1 < from_last.1 { other } else { from_last }
+}
+
+/// The change of (u, v) that moves a point of a surface by `off`, apart from what is across the surface; `None` where
+/// the surface is singular.
+fn step_along(SurfacePoint { du, dv, .. }: &SurfacePoint, off: DVec3) -> Option<DVec2> {
+    let [a, b, c] = [du.length_squared(), du.dot(*dv), dv.length_squared()];
+    let determinant = a * c - b * b;
+    let (along_u, along_v) = (du.dot(off), dv.dot(off));
+    let step = DVec2::new(c * along_u - b * along_v, a * along_v - b * along_u) / determinant;
+    (determinant > 1e-9 * a * c && step.is_finite()).then_some(step)
 }
 
 /// A face at a place of its border.
@@ -388,7 +444,8 @@ impl<'a> Fit<'a> {
     }
 
     fn places(&self, t: f64) -> [Place; 2] {
-        self.borders.map(|border| border.at(t))
+        let point = self.curve.point(t);
+        self.borders.map(|border| border.at(t, point, self.tolerance))
     }
 
     /// Appends the pieces between two parameters.
@@ -412,8 +469,9 @@ impl<'a> Fit<'a> {
             let places = [from.1, between, to.1];
             self.is_smooth &= places.into_iter().all(|places| self.is_smooth_at(places));
             let beside = [0, 1].map(|i| self.borders[i].beside([from.1[i], between[i], to.1[i]]));
-            let [start, end] = [0, 1].map(|end| beside.map(|of_face| of_face[end]));
-            self.pieces.push(JointPiece { points, start, end });
+            let [start, middle, end] = [0, 1, 2].map(|place| beside.map(|of_face| of_face[place]));
+            let middle = middle.map(|beside| beside.share);
+            self.pieces.push(JointPiece { points, start, middle, end });
             return;
         }
         self.add(from, (middle, between), halvings + 1);

@@ -246,6 +246,10 @@ impl JointCurve for Stretch<'_> {
         vec![self.places[0][0], self.places[self.places.len() - 1][0]]
     }
 
+    fn point(&self, t: f64) -> DVec3 {
+        self.rim.point(t)
+    }
+
     /// The cubic through four points.
     fn cubic(&self, from: f64, to: f64) -> [DVec3; 4] {
         let [a, b, c, d] =

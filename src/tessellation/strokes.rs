@@ -1,4 +1,4 @@
-//! Strokes: joints as line segments of a certain width on the screen. All points of the screen within half a width of a
+//! Strokes: joints as parabolas of a certain width on the screen. All points of the screen within half a width of such a
 //! segment are drawn, as part of one of the two faces.
 //!
 //! The same segments draw an edge as a line of a given width and colour. A line lies in front of its faces.
@@ -9,23 +9,28 @@
 //! place of the edge, both lie within the disc around it, and so does the line between them. What lies between the two
 //! borders are all these lines; the stroke contains all these discs.
 
+mod look;
 mod paint;
 mod part;
+mod segment;
 
-use bytemuck::{Pod, Zeroable};
-use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2, Vec3};
+use glam::{DMat2, DMat3, DMat4, DVec2, DVec3, UVec2, Vec2};
 
+use self::look::Look;
 pub(crate) use self::paint::{CurvaturePaint, StrokePaint};
-use self::part::{End, Part, line};
+use self::part::{Bow, End, Part};
+pub(crate) use self::segment::{SEGMENT_TEXELS, StrokeSegment};
 use super::Eye;
+use crate::bezier::{Difference, Parabola};
 use crate::camera::ViewProjection;
 use crate::model::{Beside, JointPiece, JointRange};
 
 /// Half of the least width in pixels: the driver moves vertices by 1/256 px at most, in each direction.
 const LEAST: f64 = 1.0 / 64.0;
-/// The part of a tolerance in pixels that strokes need: what the triangles of surfaces with joints do not get.
+/// The part of a tolerance in pixels that strokes need: what the triangles of surfaces with joints do not get. The
+/// distance of parabolas from edges falls with the fourth power of their length, so that little is enough.
 pub(crate) fn kept_for_strokes(tolerance: f64) -> f64 {
-    (0.125 * tolerance).max(1.5 * LEAST).min(0.5 * tolerance)
+    (0.0625 * tolerance).max(1.5 * LEAST).min(0.5 * tolerance)
 }
 
 /// How far a stroke's segments may be off its edge, in pixels: the stroke, which is wider by as much, is to end within
@@ -34,64 +39,8 @@ fn off_edge(tolerance: f64) -> f64 {
     (0.5 * (kept_for_strokes(tolerance) - LEAST)).max(tolerance / 64.0)
 }
 
-/// How much farther than a face its part of a stroke is drawn, as a share of half of the width: the face itself is to
-/// be in front.
-const BEHIND: f32 = 0.25;
-/// The same where both faces come nearer on the sides of the edge: it may be the far side of a solid, and the strokes of
-/// edges on the near side are to be in front.
-const FAR_BEHIND: f32 = 1.0;
-/// What is added to the above if the start of a segment is cut, and if its end is.
-const CUT_ENDS: [f32; 2] = [4.0, 8.0];
-/// What is added if it is known which side of the faces is the outside of a solid.
-const KNOWS_OUTSIDE: f32 = 16.0;
-/// What is added then if the normal of the face to the left points into the solid, and if that to the right does.
-const INWARDS: [f32; 2] = [32.0, 64.0];
 /// An edge is closed if its ends are nearer to each other than this, as a share of its extent.
 const CLOSED: f64 = 1e-6;
-/// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
-const CLEARLY: f64 = 0.1;
-/// The longest segment in pixels that has one colour, where colours change along the face.
-const VARIED: f64 = 4.0;
-/// How often a piece of an edge is divided at most.
-const MAX_DIVISIONS: u32 = 40;
-/// The number of pixels that the segments of a line may be off its edge.
-const OFF_LINE: f64 = 1.0 / 32.0;
-
-/// A segment of a stroke, as `exact/stroke.vert` fetches it.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub(crate) struct StrokeSegment {
-    /// Start and end in pixels from the middle of the viewport.
-    ends: [Vec2; 2],
-    /// Distances of the start and the end along the view axis.
-    depths: Vec2,
-    /// Half of the width in pixels; negative if only the left side is drawn.
-    half_width: f32,
-    /// How much farther than the faces' planes it is drawn, as a share of half of the width; lines are drawn nearer. A
-    /// stroke that closes a gap has [`CUT_ENDS`] added for each end that is not round, [`KNOWS_OUTSIDE`] and
-    /// [`INWARDS`].
-    behind: f32,
-    /// For the face that is drawn to the left, seen from the start: the normal ∂u × ∂v in view space at the start, its
-    /// colour, the normal at the end and the number of a patch. The same for the face to the right.
-    faces: [StrokeFace; 2],
-    /// (u, v) of the left face at the start and the end, as shares of the domain, then of the right face.
-    shares: [[Vec2; 2]; 2],
-}
-
-/// A face beside a segment.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-struct StrokeFace {
-    start: Vec3,
-    /// Red, green and blue from 0 to 255, each times a power of 256: exact in `f32`.
-    color: f32,
-    end: Vec3,
-    patch: f32,
-}
-
-/// Texels of a segment.
-pub(crate) const SEGMENT_TEXELS: usize = size_of::<StrokeSegment>() / 16;
-
 /// A face of a joint in its place.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StrokeSide<'a> {
@@ -121,18 +70,19 @@ pub(crate) struct PlacedJoint<'a> {
 }
 
 impl PlacedJoint<'_> {
-    /// Whether both faces face away along a range of the pieces, so that the solid itself hides it.
-    fn is_hidden(&self, number: usize, pieces: &[JointPiece]) -> bool {
+    /// Whether both faces face away along a range of the pieces, so that the solid itself hides it. A parabola stands for
+    /// the range.
+    fn is_hidden(&self, range: &JointRange, parabola: &Parabola) -> bool {
         let Some((eye, signs)) = self.outside else { return false };
-        let JointRange { shift, off, normals, sines } = self.ranges[number];
-        let (start, end) = (pieces[0].points[0], pieces[pieces.len() - 1].points[3]);
+        let JointRange { off, normals, sines, .. } = *range;
         // All lines of sight to the range differ from one of them by an angle with this sine at most.
         let (sight, spread) = match eye {
             Eye::Towards(direction) => (-direction.normalize_or_zero(), 0.0),
             Eye::At(eye) => {
-                let to_middle = start.midpoint(end) + shift - eye;
-                let distance = to_middle.length();
-                (to_middle / distance, (0.5 * start.distance(end) + off) / distance)
+                let ([start, _, end], half_sag) = (parabola.points, 0.5 * parabola.sag());
+                let to_middle = start.midpoint(end) + half_sag - eye;
+                let radius = 0.5 * start.distance(end) + half_sag.length() + off;
+                (to_middle.normalize_or_zero(), radius / to_middle.length())
             }
         };
         (0..2).all(|face| {
@@ -226,43 +176,45 @@ impl StrokeView {
         let faces_error =
             if is_flat { 0.0 } else { self.tolerance - kept_for_strokes(self.tolerance) };
         let [Some(first), Some(last)] = [joint.pieces.first(), joint.pieces.last()] else { return };
-        let is_closed = first.points[0].distance(last.points[3]) <= CLOSED * joint.ranges[0].off;
-        let part = |pieces: &[JointPiece], shift: DVec3, is_end: [bool; 2]| {
-            let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
-            let [a, b, c, d] = if pieces.len() == 1 {
-                first.points
-            } else {
-                line(first.points[0] + shift, last.points[3] + shift)
-            };
-            let ends = [&first.start, &last.end].map(|besides| End {
-                normals: normals(besides),
-                shares: besides.map(|beside| beside.share.as_dvec2()),
-            });
-            let points = [a, b, c, d].map(|point| to_view.transform_point3(point));
-            Part { points, ends, is_end: is_end.map(|end| end && !is_closed) }
+        let [tip, other_tip] = [first.points[0], last.points[3]];
+        let extent = tip.distance(first.points[3]) + joint.ranges[0].off;
+        let is_closed = tip.distance(other_tip) <= CLOSED * extent;
+        let end = |besides: &[Beside; 2]| End {
+            normals: normals(besides),
+            shares: besides.map(|beside| beside.share.as_dvec2()),
         };
-        let axes = [linear.x_axis, linear.y_axis, linear.z_axis];
-        let scale = axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt();
-        // Ranges of pieces, from the whole joint: those that are straight enough become one segment.
+        let stretch = stretch(&linear);
+        // Ranges of pieces, from the whole joint: those that are near a parabola become one segment.
         let mut ranges = vec![(0, 0..joint.pieces.len())];
         while let Some((number, range)) = ranges.pop() {
             let pieces = &joint.pieces[range.clone()];
-            if joint.is_hidden(number, pieces) {
+            let (first, last) = (&pieces[0], &pieces[pieces.len() - 1]);
+            let (middle, shares) = JointPiece::middle_of(pieces);
+            let parabola = Parabola::through(first.points[0], middle, last.points[3]);
+            if joint.is_hidden(&joint.ranges[number], &parabola) {
                 continue;
             }
+            let ends = [end(&first.start), end(&last.end)];
+            let middle = shares.map(Vec2::as_dvec2);
             let is_end = [range.start == 0, range.end == joint.pieces.len()];
-            let JointRange { shift, off, .. } = joint.ranges[number];
-            let part = part(pieces, shift, is_end);
-            if range.len() == 1 {
+            let is_end = is_end.map(|is_end| is_end && !is_closed);
+            if let [piece] = pieces {
+                let points = piece.points.map(|point| to_view.transform_point3(point));
+                let part = Part { points, ends, middle, is_end };
                 self.add_part(joint, faces_error, part, 0, segments);
                 continue;
             }
-            match self.look(joint, faces_error, &part, scale * off, 0) {
+            let parabola =
+                Parabola { points: parabola.points.map(|point| to_view.transform_point3(point)) };
+            let JointRange { off, drift, .. } = joint.ranges[number];
+            let difference = Difference { off, drift }.stretched(stretch);
+            let bow = Bow { parabola, difference, ends, middle, is_end };
+            match self.look(joint, faces_error, &bow, 0) {
                 Look::Outside => {}
-                Look::Straight(half_width) => {
-                    segments.extend(self.segment(joint, &part, half_width));
+                Look::Drawn(half_width, shape) => {
+                    segments.extend(self.segment(joint, &bow, half_width, shape));
                 }
-                Look::Other(_) => {
+                Look::Divided(_) => {
                     let middle = range.start + range.len() / 2;
                     ranges.push((2 * number + 2, middle..range.end));
                     ranges.push((2 * number + 1, range.start..middle));
@@ -270,217 +222,11 @@ impl StrokeView {
             }
         }
     }
-
-    /// What a part looks like if it is nowhere further than `off` from the segment that stands for it. After many
-    /// divisions it counts as straight.
-    fn look(
-        &self,
-        joint: &PlacedJoint<'_>,
-        faces_error: f64,
-        part: &Part,
-        off: f64,
-        divisions: u32,
-    ) -> Look {
-        let depths = part.points.map(|point| -point.z);
-        let farthest = depths.into_iter().fold(f64::NEG_INFINITY, f64::max) + off;
-        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min) - off;
-        if farthest <= self.near {
-            return Look::Outside;
-        }
-        let is_in_front = nearest > self.near;
-        let px = self.px_per_unit(if is_in_front { nearest } else { self.near });
-        let (off_edge, gap) = match joint.line {
-            Some(_) => (OFF_LINE, 0.0),
-            None => (off_edge(self.tolerance), joint.gap),
-        };
-        let half_width = |error: f64| match joint.line {
-            Some(line) => line.half_width,
-            None => LEAST + faces_error + error + gap * px,
-        };
-        let error = off * px;
-        if is_in_front && self.is_outside(&part.points, half_width(off_edge) + error) {
-            return Look::Outside;
-        }
-        // The width is that of the nearest place; far from it, it may be too much.
-        let excess = gap * (px - self.px_per_unit(farthest));
-        let is_varied = joint.line.is_none() && joint.sides.iter().any(|side| side.paint.varies());
-        let is_short = !is_varied || part.points[0].distance(part.points[3]) * px <= VARIED;
-        if (error + excess <= off_edge && is_short) || divisions >= MAX_DIVISIONS {
-            Look::Straight(half_width(error))
-        } else {
-            let is_only_bent = is_in_front && is_short && 2.0 * excess <= off_edge;
-            Look::Other(if is_only_bent { (off_edge - excess) / px } else { 0.0 })
-        }
-    }
-
-    fn add_part(
-        &self,
-        joint: &PlacedJoint<'_>,
-        faces_error: f64,
-        part: Part,
-        divisions: u32,
-        segments: &mut Vec<StrokeSegment>,
-    ) {
-        match self.look(joint, faces_error, &part, part.bend(), divisions) {
-            Look::Outside => {}
-            Look::Straight(half_width) => {
-                segments.extend(self.segment(joint, &part.straight(), half_width));
-            }
-            Look::Other(limit) => {
-                let count = part.count_within(limit);
-                for number in 0..count {
-                    let [from, to] = [number, number + 1].map(|i| f64::from(i) / f64::from(count));
-                    let part = part.between(from, to);
-                    self.add_part(joint, faces_error, part, divisions + 1, segments);
-                }
-            }
-        }
-    }
-
-    /// Whether all points lie beyond one side of the picture by more than a width in pixels.
-    fn is_outside(&self, points: &[DVec3; 4], width: f64) -> bool {
-        let limit = 1.0 + width / self.half;
-        let places = points.map(|point| self.place(point) / self.half);
-        (0..2).any(|axis| {
-            places.iter().all(|place| place[axis] > limit[axis])
-                || places.iter().all(|place| place[axis] < -limit[axis])
-        })
-    }
-
-    /// The straight segment of a part, if any of it is beyond the near plane.
-    fn segment(
-        &self,
-        joint: &PlacedJoint<'_>,
-        part: &Part,
-        half_width: f64,
-    ) -> Option<StrokeSegment> {
-        let part = &part.beyond(self.near)?;
-        let [start, end] = [part.points[0], part.points[3]];
-        let left = (self.place(end) - self.place(start)).perp().normalize_or_zero();
-        let middle = start.midpoint(end);
-        let direction = part.points[3] - part.points[0];
-        // For each face, how far a step into it goes to the left on the screen, and how much further away.
-        let steps = [0, 1].map(|face| {
-            let normal = part.ends[0].normals[face] + part.ends[1].normals[face];
-            let into = joint.sides[face].side * normal.cross(direction).normalize_or_zero();
-            let moved = if self.is_parallel {
-                into.truncate()
-            } else {
-                into.truncate() - middle.truncate() * (into.z / middle.z)
-            };
-            let on_screen = DMat2::from_cols(
-                self.projection.x_axis.truncate().truncate(),
-                self.projection.y_axis.truncate().truncate(),
-            ) * moved
-                * self.half;
-            (on_screen.dot(left), -into.z)
-        });
-        if let Some(line) = &joint.line {
-            return self.line(line, part, steps);
-        }
-        let [(a, a_farther), (b, b_farther)] = steps;
-        let is_clear = a.abs().min(b.abs()) > CLEARLY * self.magnification;
-        let is_fold = (a < 0.0) == (b < 0.0);
-        let mut ends = [(start, part.ends[0]), (end, part.ends[1])];
-        let ([to_left, to_right], behind) = if is_fold {
-            // The nearer face hides the other one. Its border may have receded before that of the other one, so the
-            // stroke lies in front. On the other side of the edge there is nothing to draw.
-            if is_clear && a < 0.0 {
-                ends.reverse();
-            }
-            ([usize::from(a_farther * b.abs() > b_farther * a.abs()); 2], -BEHIND)
-        } else {
-            // If both faces come nearer, the edge lies in a valley or on the far side of a solid.
-            let is_deep = a_farther < 0.0 && b_farther < 0.0;
-            let behind = if is_deep {
-                // The strokes of other edges cover the end: that of an edge on the far side would be seen there.
-                let cut = CUT_ENDS.iter().zip(part.is_end).filter(|(_, is_end)| *is_end);
-                FAR_BEHIND + cut.map(|(code, _)| code).sum::<f32>()
-            } else if is_clear {
-                BEHIND
-            } else {
-                -BEHIND
-            };
-            (if a < 0.0 { [1, 0] } else { [0, 1] }, behind)
-        };
-        let half_width = if is_fold && is_clear { -half_width } else { half_width };
-        let outside = joint.outside.map_or(0.0, |(_, signs)| {
-            let is_mirrored = joint.transform.determinant() < 0.0;
-            let points_in = |face: usize| (signs[face] < 0.0) != is_mirrored;
-            let inwards = [to_left, to_right].map(points_in).into_iter().zip(INWARDS);
-            KNOWS_OUTSIDE + inwards.filter(|(is, _)| *is).map(|(_, code)| code).sum::<f32>()
-        });
-        let face = |face: usize| {
-            let [start, end] = ends.map(|(_, end)| end.shares[face]);
-            let color = joint.sides[face].paint.color_at(start.midpoint(end))?;
-            Some(StrokeFace {
-                start: ends[0].1.normals[face].as_vec3(),
-                color: packed(color),
-                end: ends[1].1.normals[face].as_vec3(),
-                patch: joint.sides[face].patch as f32,
-            })
-        };
-        let shares = |face: usize| ends.map(|(_, end)| end.shares[face].as_vec2());
-        let places = ends.map(|(point, _)| self.place(point));
-        let segment = StrokeSegment {
-            ends: places.map(DVec2::as_vec2),
-            depths: DVec2::new(-ends[0].0.z, -ends[1].0.z).as_vec2(),
-            half_width: half_width as f32,
-            behind: behind + outside,
-            faces: [face(to_left)?, face(to_right)?],
-            shares: [shares(to_left), shares(to_right)],
-        };
-        places.iter().all(|place| place.is_finite()).then_some(segment)
-    }
 }
 
-impl StrokeView {
-    /// The straight segment of a part of a line. `steps` are, for each face, how far a step into it goes to the left on
-    /// the screen, and how much further away.
-    fn line(
-        &self,
-        line: &StrokeLine,
-        part: &Part,
-        steps: [(f64, f64); 2],
-    ) -> Option<StrokeSegment> {
-        let ends = [(part.points[0], part.ends[0]), (part.points[3], part.ends[1])];
-        let side = |is_left: bool| {
-            let on_side = |face: &usize| line.shown[*face] && (steps[*face].0 >= 0.0) == is_left;
-            let nearer = |one: &usize, other: &usize| {
-                let [one, other] = [steps[*one], steps[*other]];
-                (one.1 * other.0.abs()).total_cmp(&(other.1 * one.0.abs()))
-            };
-            let face = (0..2).filter(on_side).min_by(nearer);
-            // Without a face, the line has the depth of the edge.
-            let normal = |end: End| face.map_or(Vec3::ZERO, |face| end.normals[face].as_vec3());
-            let [start, end] = ends.map(|(_, end)| normal(end));
-            StrokeFace { start, color: packed(line.color), end, patch: 0.0 }
-        };
-        let places = ends.map(|(point, _)| self.place(point));
-        let segment = StrokeSegment {
-            ends: places.map(DVec2::as_vec2),
-            depths: DVec2::new(-ends[0].0.z, -ends[1].0.z).as_vec2(),
-            half_width: line.half_width as f32,
-            behind: (-line.nearer / line.half_width) as f32,
-            faces: [side(true), side(false)],
-            shares: [[Vec2::ZERO; 2]; 2],
-        };
-        places.iter().all(|place| place.is_finite()).then_some(segment)
-    }
-}
-
-/// A colour as one number.
-fn packed([red, green, blue]: [u8; 3]) -> f32 {
-    (f32::from(red) * 256.0 + f32::from(green)) * 256.0 + f32::from(blue)
-}
-
-/// What a part of an edge looks like.
-enum Look {
-    /// It is not in the picture.
-    Outside,
-    /// A segment with half of this width covers it.
-    Straight(f64),
-    /// It is bent, or near the eye. Parts of it that are off their segments by at most this, in space, count as straight;
-    /// 0 if that is not known.
-    Other(f64),
+/// The largest factor by which a map stretches lengths, or a little more unless it stretches all alike.
+fn stretch(linear: &DMat3) -> f64 {
+    let squared = linear.transpose() * *linear;
+    let row = |column: DVec3| column.abs().element_sum();
+    [squared.x_axis, squared.y_axis, squared.z_axis].map(row).into_iter().fold(0.0, f64::max).sqrt()
 }

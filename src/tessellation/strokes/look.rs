@@ -1,0 +1,185 @@
+//! What a part of an edge looks like: which parabola stands for it on the screen.
+
+use glam::{DVec2, DVec3};
+
+use super::part::{Bow, Part};
+use super::segment::{Layout, StrokeSegment};
+use super::{LEAST, PlacedJoint, StrokeView, off_edge};
+use crate::bezier::Difference;
+
+/// The longest segment in pixels that has one colour, where colours change along the face.
+const VARIED: f64 = 4.0;
+/// How often a piece of an edge is divided at most.
+const MAX_DIVISIONS: u32 = 40;
+/// A part is divided into so many at most. More might be out of the picture.
+const MOST_PARTS: f64 = 16.0;
+/// The sag of a segment as a share of its length, at most: its direction differs by up to 27° from that of its ends, and
+/// Newton's method finds the nearest point.
+const MOST_SAG: f64 = 0.125;
+/// The sag of a segment times its length, at most, in square pixels: beyond this, a division costs less than the pixels
+/// that it saves.
+const MOST_AREA: f64 = 800.0;
+/// A control point that is by so many pixels off the line between its ends is on it.
+const ROUNDING: f64 = 1e-9;
+/// How far a place on a segment may be along the edge from the (u, v) that it shows, as a share of the tolerance.
+const MOST_DRIFT: f64 = 0.25;
+/// The number of pixels that the segments of a line may be off its edge.
+const OFF_LINE: f64 = 1.0 / 32.0;
+
+/// What a part of an edge looks like.
+pub(super) enum Look {
+    /// It is not in the picture.
+    Outside,
+    /// A segment with half of this width covers it: a parabola of a shape, or the line between its ends.
+    Drawn(f64, Option<(Shape, Layout)>),
+    /// It is too bent, or near the eye. So many parts of it may do.
+    Divided(u32),
+}
+
+/// A parabola on the screen that stands for one in space.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shape {
+    /// Its ends in pixels from the middle of the viewport.
+    pub(super) ends: [DVec2; 2],
+    /// How far its middle is off the middle of its ends.
+    pub(super) sag: DVec2,
+    /// Upper bound of its distance from the other one as it is seen, in pixels.
+    pub(super) off: f64,
+    /// The same at equal parameters, apart from `off`.
+    pub(super) drift: f64,
+}
+
+impl StrokeView {
+    /// What a part looks like. After many divisions it counts as straight.
+    pub(super) fn look(
+        &self,
+        joint: &PlacedJoint<'_>,
+        faces_error: f64,
+        bow: &Bow,
+        divisions: u32,
+    ) -> Look {
+        let Difference { off, drift } = bow.difference;
+        let depths = bow.parabola.points.map(|point| -point.z);
+        let farthest = depths.into_iter().fold(f64::NEG_INFINITY, f64::max) + off;
+        let nearest = depths.into_iter().fold(f64::INFINITY, f64::min) - off;
+        if farthest <= self.near {
+            return Look::Outside;
+        }
+        let is_in_front = nearest > self.near;
+        let px = self.px_per_unit(if is_in_front { nearest } else { self.near });
+        let (off_edge, gap) = match joint.line {
+            Some(_) => (OFF_LINE, 0.0),
+            None => (off_edge(self.tolerance), joint.gap),
+        };
+        let half_width = |error: f64| match joint.line {
+            Some(line) => line.half_width,
+            None => LEAST + faces_error + error + gap * px,
+        };
+        let error = off * px;
+        if is_in_front && self.is_outside(&bow.parabola.points, half_width(off_edge) + error) {
+            return Look::Outside;
+        }
+        // The width is that of the nearest place; far from it, it may be too much.
+        let excess = gap * (px - self.px_per_unit(farthest));
+        let limit = off_edge - excess;
+        let [start, end] = bow.tips();
+        let is_varied = joint.line.is_none() && joint.sides.iter().any(|side| side.paint.varies());
+        let is_short = !is_varied || start.distance(end) * px <= VARIED;
+        let mut count = 2.0;
+        let off_line = if is_in_front {
+            let shape = self.shape(bow);
+            let (off, sag) = (error + shape.off, shape.sag.length());
+            let length = shape.ends[0].distance(shape.ends[1]);
+            let is_slim = sag <= MOST_SAG * length && sag * length <= MOST_AREA;
+            let is_true =
+                joint.line.is_some() || drift * px + shape.drift <= MOST_DRIFT * self.tolerance;
+            if off <= limit && is_true && is_short && is_slim {
+                let in_middle = || self.layout(self.steps(joint, bow, &shape, 0.5));
+                let layout = self.layout_along(joint, bow, &shape);
+                let layout = layout.or_else(|| (sag <= off_edge).then(in_middle));
+                if let Some(layout) = layout {
+                    return Look::Drawn(half_width(off), Some((shape, layout)));
+                }
+            }
+            if is_short && 2.0 * excess <= off_edge {
+                count = (off / limit).max(sag * length / MOST_AREA).cbrt().ceil();
+            }
+            off + sag
+        } else {
+            error + bow.parabola.sag().length() * px
+        };
+        if (off_line <= limit && is_short) || divisions >= MAX_DIVISIONS {
+            Look::Drawn(half_width(off_line), None)
+        } else {
+            Look::Divided(count.clamp(2.0, MOST_PARTS) as u32)
+        }
+    }
+
+    /// How a parabola in front of the near plane looks.
+    ///
+    /// Let P₀, C and P₂ be the places of its control points, and d₀, d₁ and d₂ their distances. With the parameter s of
+    /// the screen, as it is for straight lines, and A = 2 s (1 − s), what is seen differs from the line
+    /// L = (1 − s) P₀ + s P₂ by A (d₁ D + δ (M − L)) / ((1 − s) d₂ + s d₀ + A δ), where M is the place of the middle of
+    /// the ends in space, D = C − M, and δ = d₁ − (d₀ + d₂)/2. The parabola that has the same middle differs by A (s − ½)
+    /// and A (½ − A) times small factors.
+    fn shape(&self, bow: &Bow) -> Shape {
+        let ends = bow.tips().map(|tip| self.place(tip));
+        let [start, control, end] = bow.parabola.points;
+        let to_control = self.place(control) - self.place(start.midpoint(end));
+        let exact = |sag: DVec2| Shape { ends, sag, off: 0.0, drift: 0.0 };
+        if self.is_parallel {
+            return exact(0.5 * to_control);
+        }
+        if to_control.length() < ROUNDING {
+            return exact(DVec2::ZERO);
+        }
+        let [d0, d1, d2] = bow.parabola.points.map(|point| -point.z);
+        let (mean, bent) = (0.5 * (d0 + d2), d1 - 0.5 * (d0 + d2));
+        let middle = ends[0].midpoint(ends[1]);
+        let along = bent * (self.place(start.midpoint(end)) - middle);
+        let sag = 0.5 * (d1 * to_control + along) / (mean + 0.5 * bent);
+        let [nearest, farthest] = [d0.min(d1).min(d2), d0.max(d1).max(d2)];
+        let (off, drift) = if farthest < 1.3 * nearest {
+            // Along the line, a share of what the middle does not show lies across the slope of the parabola too.
+            let off = (0.15 * (d0 - d2).abs() + 0.45 * bent.abs()) * to_control.length();
+            (off / nearest, 0.15 * bent.abs() * ends[0].distance(ends[1]) / nearest)
+        } else {
+            (f64::INFINITY, f64::INFINITY)
+        };
+        Shape { ends, sag, off, drift }
+    }
+
+    pub(super) fn add_part(
+        &self,
+        joint: &PlacedJoint<'_>,
+        faces_error: f64,
+        part: Part,
+        divisions: u32,
+        segments: &mut Vec<StrokeSegment>,
+    ) {
+        let bow = part.bow();
+        match self.look(joint, faces_error, &bow, divisions) {
+            Look::Outside => {}
+            Look::Drawn(half_width, shape) => {
+                segments.extend(self.segment(joint, &bow, half_width, shape));
+            }
+            Look::Divided(count) => {
+                for number in 0..count {
+                    let [from, to] = [number, number + 1].map(|i| f64::from(i) / f64::from(count));
+                    let part = part.between(from, to);
+                    self.add_part(joint, faces_error, part, divisions + 1, segments);
+                }
+            }
+        }
+    }
+
+    /// Whether all points lie beyond one side of the picture by more than a width in pixels.
+    fn is_outside(&self, points: &[DVec3; 3], width: f64) -> bool {
+        let limit = 1.0 + width / self.half;
+        let places = points.map(|point| self.place(point) / self.half);
+        (0..2).any(|axis| {
+            places.iter().all(|place| place[axis] > limit[axis])
+                || places.iter().all(|place| place[axis] < -limit[axis])
+        })
+    }
+}
