@@ -2,7 +2,7 @@
 //
 // Each instance is a group of segments.
 
-layout(binding = 8) uniform samplerBuffer strokes; // for each segment, 10 texels: src/tessellation/strokes.rs
+layout(binding = 8) uniform samplerBuffer strokes; // for each segment, 10 texels: src/tessellation/strokes/segment.rs
 
 layout(location = 26) uniform vec4 viewport;    // first pixel, half of width and height
 layout(location = 35) uniform int groupSize;    // segments of an instance

@@ -35,6 +35,8 @@ const ROUNDING: f64 = 5e-7;
 const GROUP: usize = 64;
 /// Joints that a thread takes at once.
 const TOGETHER: usize = 128;
+/// Segments of one shading model are drawn together, in this order.
+const SHADINGS: [Shading; 3] = [Shading::Phong, Shading::Unlit, Shading::Normals];
 
 /// A joint of surfaces of a scene.
 #[derive(Debug)]
@@ -281,31 +283,30 @@ impl Segments {
         let placed = joints();
         let groups: Vec<&[_]> = placed.chunks(TOGETHER).collect();
         let of_groups = parallel::map(groups.len(), |number| {
-            let mut segments: Vec<(Shading, StrokeSegment)> = Vec::new();
-            let mut of_joint = Vec::new();
+            let mut segments = SHADINGS.map(|shading| (shading, Vec::new()));
             for (shading, joint) in groups[number] {
-                view.add(joint, &mut of_joint);
-                segments.extend(of_joint.drain(..).map(|segment| (*shading, segment)));
+                let alike = segments.iter_mut().find(|(own, _)| own == shading);
+                alike.into_iter().for_each(|(_, segments)| view.add(joint, segments));
             }
             segments
         });
-        let mut segments: Vec<StrokeSegment> = Vec::new();
-        for shading in [Shading::Phong, Shading::Unlit, Shading::Normals] {
-            let first = segments.len();
-            let all = of_groups.iter().flatten().filter(|(own, _)| *own == shading);
-            segments.extend(all.map(|(_, segment)| *segment));
-            if segments.len() > first {
-                self.runs.push((shading, first..segments.len()));
-            }
+        let all = || of_groups.iter().flatten().filter(|(_, segments)| !segments.is_empty());
+        let count: usize = all().map(|(_, segments)| segments.len()).sum();
+        let bytes = count * size_of::<StrokeSegment>();
+        if self.buffer.as_ref().map_or(0, |buffer| buffer.buffer().bytes()) < bytes {
+            let texels = count.next_power_of_two() * SEGMENT_TEXELS;
+            self.buffer = Some(TexelBuffer::of_texels(renderer.gl(), "strokes", texels)?);
         }
-        if !segments.is_empty() {
-            let bytes = size_of_val(segments.as_slice());
-            if self.buffer.as_ref().is_none_or(|buffer| buffer.buffer().bytes() < bytes) {
-                let texels = segments.len().next_power_of_two() * SEGMENT_TEXELS;
-                self.buffer = Some(TexelBuffer::of_texels(renderer.gl(), "strokes", texels)?);
+        let mut next = 0;
+        for shading in SHADINGS {
+            let first = next;
+            for (_, segments) in all().filter(|(own, _)| *own == shading) {
+                let buffer = self.buffer.as_ref().expect("it has room for all segments");
+                buffer.buffer().write(next, segments);
+                next += segments.len();
             }
-            if let Some(buffer) = &self.buffer {
-                buffer.buffer().write(0, &segments);
+            if next > first {
+                self.runs.push((shading, first..next));
             }
         }
         self.key = Some(key);

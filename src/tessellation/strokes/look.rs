@@ -19,7 +19,8 @@ const MOST_SAG: f64 = 0.125;
 /// The sag of a segment times its length, at most, in square pixels: beyond this, a division costs less than the pixels
 /// that it saves.
 const MOST_AREA: f64 = 800.0;
-/// A control point that is by so many pixels off the line between its ends is on it.
+/// A control point is on the line between its ends if it is nearer to it than this, as a share of the coordinates in
+/// pixels.
 const ROUNDING: f64 = 1e-9;
 /// How far a place on a segment may be along the edge from the (u, v) that it shows, as a share of the tolerance.
 const MOST_DRIFT: f64 = 0.25;
@@ -91,9 +92,9 @@ impl StrokeView {
             let (off, sag) = (error + shape.off, shape.sag.length());
             let length = shape.ends[0].distance(shape.ends[1]);
             let is_slim = sag <= MOST_SAG * length && sag * length <= MOST_AREA;
-            let is_true =
+            let is_in_step =
                 joint.line.is_some() || drift * px + shape.drift <= MOST_DRIFT * self.tolerance;
-            if off <= limit && is_true && is_short && is_slim {
+            if off <= limit && is_in_step && is_short && is_slim {
                 let in_middle = || self.layout(self.steps(joint, bow, &shape, 0.5));
                 let layout = self.layout_along(joint, bow, &shape);
                 let layout = layout.or_else(|| (sag <= off_edge).then(in_middle));
@@ -130,7 +131,8 @@ impl StrokeView {
         if self.is_parallel {
             return exact(0.5 * to_control);
         }
-        if to_control.length() < ROUNDING {
+        let largest = ends[0].abs().max(ends[1].abs()).max_element().max(1.0);
+        if to_control.length() < ROUNDING * largest {
             return exact(DVec2::ZERO);
         }
         let [d0, d1, d2] = bow.parabola.points.map(|point| -point.z);
@@ -181,5 +183,75 @@ impl StrokeView {
             places.iter().all(|place| place[axis] > limit[axis])
                 || places.iter().all(|place| place[axis] < -limit[axis])
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{dvec3, uvec2};
+
+    use super::super::part::End;
+    use super::*;
+    use crate::bezier::Parabola;
+    use crate::camera::{Camera, Lens};
+
+    const SIZE: glam::UVec2 = uvec2(1280, 720);
+
+    fn view(lens: Lens) -> StrokeView {
+        let eye = dvec3(0.0, 0.0, 5.0);
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Y, lens).unwrap();
+        let points = [DVec3::splat(-1.0), DVec3::ONE];
+        StrokeView::new(&camera.projection(points.into_iter(), 16.0 / 9.0), SIZE, 0.5)
+    }
+
+    /// A parabola in view space, about 5 away from the eye.
+    fn bow(seed: i32) -> Bow {
+        let noise = |i: i32| (f64::from(seed * 17 + i) * 12.9898).sin();
+        let start = dvec3(noise(0), noise(1), -5.0 + 0.3 * noise(2));
+        let end = start + 0.3 * dvec3(1.0, noise(3), noise(4));
+        let sag = 0.03 * dvec3(noise(5), noise(6), noise(7));
+        let parabola = Parabola::through(start, start.midpoint(end) + sag, end);
+        let nowhere = End { normals: [DVec3::ZERO; 2], shares: [DVec2::ZERO; 2] };
+        let (difference, middle, is_end) = (Difference::default(), [DVec2::ZERO; 2], [true; 2]);
+        Bow { parabola, difference, ends: [nowhere; 2], middle, is_end }
+    }
+
+    /// Compares a parabola as it is seen with the one that stands for it on the screen: the largest distances at equal
+    /// parameters, as shares of the bounds, and from the nearest point.
+    #[test]
+    fn on_the_screen_a_parabola_is_near_another_one() {
+        let lenses = [Lens::Perspective { fov_y_radians: 0.6 }, Lens::Orthographic { height: 3.0 }];
+        for view in lenses.map(view) {
+            for seed in 0..200 {
+                let bow = bow(seed);
+                let shape = view.shape(&bow);
+                let [a, b, c] = bow.parabola.points;
+                let at = |t: f64| a.lerp(b, t).lerp(b.lerp(c, t), t);
+                let on_screen =
+                    |s: f64| shape.ends[0].lerp(shape.ends[1], s) + 4.0 * s * (1.0 - s) * shape.sag;
+                for i in 0..=20 {
+                    let s = f64::from(i) / 20.0;
+                    // As exact/stroke.frag has it.
+                    let across = c.z + (a.z - c.z) * s;
+                    let t = if view.is_parallel { s } else { s * a.z / across };
+                    let seen = view.place(at(t));
+                    let apart = seen.distance(on_screen(s));
+                    assert!(
+                        apart <= shape.off + shape.drift + 1e-9,
+                        "{seed} {s}: {apart} {shape:?}"
+                    );
+                    let around = (-200..=200).map(|k| on_screen(s + f64::from(k) * 1e-4));
+                    let nearest = around.map(|p| p.distance(seen)).fold(f64::INFINITY, f64::min);
+                    assert!(nearest <= shape.off + 1e-3, "{seed} {s}: {nearest} {shape:?}");
+                    let sag = 4.0 * s * (1.0 - s) * bow.parabola.sag().z;
+                    let depth = if view.is_parallel {
+                        a.z + (c.z - a.z) * s + sag
+                    } else {
+                        a.z * c.z / across * (1.0 + sag / across)
+                    };
+                    assert!((depth - at(t).z).abs() < 1e-12, "{seed} {s}: {depth} {}", at(t).z);
+                }
+            }
+        }
     }
 }
