@@ -7,7 +7,7 @@ use freeform_surface::inspect::measure::{Random, random_view};
 use freeform_surface::inspect::reference::{Hit, Rays};
 use freeform_surface::model::{BoundedCurve, Curve, FaceSurface, Frame as Axes, Model, NurbsCurve};
 use freeform_surface::{
-    Aovs, Camera, Image, Lens, LoadOptions, NurbsSurface, Scene, ViewProjection,
+    Aovs, Camera, Image, Lens, LoadOptions, NurbsSurface, Scene, Trims, ViewProjection,
 };
 use glam::{DAffine3, DVec2, DVec3, DVec4, UVec2, uvec2};
 
@@ -424,4 +424,37 @@ fn a_scene_places_models_beside_surfaces() {
     let wrong = "[[model]]\nfile = \"no.ffm\"\n";
     let error = Scene::from_toml(wrong, &path).unwrap_err().to_string();
     assert!(error.contains("scene.toml:2") && error.contains("no.ffm"), "{error}");
+}
+
+/// The places of a product share the grids of their trims. What is cut out of one of them is not cut out of the others,
+/// whichever it is.
+#[test]
+fn trims_of_one_place_change_without_the_others() {
+    let mut stage = Stage::new(uvec2(480, 300));
+    let scene = Scene { settings: within(0.5), ..load(&path_of("assembly")) };
+    let places_of = |face: usize| -> Vec<usize> {
+        let is_of = |number: &usize| scene.surfaces[*number].face.unwrap().face == face;
+        (0..scene.surfaces.len()).filter(is_of).collect()
+    };
+    let faces = 0..scene.models[0].model.faces.len();
+    let is_cut = |places: &Vec<usize>| !scene.surfaces[places[0]].trims.loops.is_empty();
+    let places = faces.map(places_of).filter(is_cut).max_by_key(Vec::len).unwrap();
+    assert!(places.len() > 2, "{places:?}");
+    let mut seen = Vec::new();
+    for changed in places {
+        let mut expected = scene.clone();
+        expected.surfaces[changed].trims = Trims::default();
+        let frame = stage.frame(&expected);
+        let mut prepared = stage.prepared(&scene);
+        let before = stage.aovs(&mut prepared, &frame);
+        prepared.surfaces_mut()[changed].set_trims(Trims::default()).unwrap();
+        let after = stage.aovs(&mut prepared, &frame);
+        let mut anew = stage.prepared(&expected);
+        let expected = stage.aovs(&mut anew, &frame);
+        assert!(after.depth == expected.depth && after.face == expected.face, "{changed}");
+        if after.depth != before.depth {
+            seen.push(changed);
+        }
+    }
+    assert!(seen.len() > 1, "the change is seen at {seen:?}");
 }
