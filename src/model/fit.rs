@@ -228,7 +228,7 @@ impl Fit<'_> {
     }
 }
 
-/// The least number of equal arcs of a unit circle whose cubics ([`JointCurve::cubic`]) are within a distance of them.
+/// The least number of equal arcs of a unit circle whose cubics are within a distance of them.
 ///
 /// The square of the distance of such a cubic from the middle exceeds 1 by at most 4/27 sin⁶(a/4) / cos²(a/4) for an arc
 /// of the angle a: Goldapp, *Approximation of circular arcs by cubic polynomials*, 1991. A distance from an ellipse is at
