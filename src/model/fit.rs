@@ -231,8 +231,8 @@ impl Fit<'_> {
 /// The least number of equal arcs of a unit circle whose cubics are within a distance of them.
 ///
 /// The square of the distance of such a cubic from the middle exceeds 1 by at most 4/27 sin⁶(a/4) / cos²(a/4) for an arc
-/// of the angle a: Goldapp, *Approximation of circular arcs by cubic polynomials*, 1991. A distance from an ellipse is at
-/// most the longer radius times that.
+/// of the angle a: Dokken and others, *Good approximation of circles by curvature-continuous Bézier curves*, 1990. A
+/// distance from an ellipse is at most the longer radius times that.
 fn arcs_within(angle: f64, distance: f64) -> Option<u32> {
     let is_within = |count: &u32| {
         let (sine, cosine) = (0.25 * angle / f64::from(*count)).sin_cos();
