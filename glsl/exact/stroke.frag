@@ -1,5 +1,6 @@
-// A segment of a stroke, a parabola: the samples within half a width of it, as part of the face on their side of it. The depth is
-// that of the plane of the face, shifted a little (src/tessellation/strokes.rs). With LINES, a segment of a line.
+// A segment of a stroke, a parabola: the samples within half a width of it, as part of the face on their side of it. The
+// depth is that of the plane of the face, shifted a little (src/tessellation/strokes.rs). With LINES, a segment of a
+// line.
 
 layout(binding = 8) uniform samplerBuffer strokes;
 
@@ -31,13 +32,13 @@ const float STEEPEST = 4.0;
 const float STEEPEST = 8.0;
 #endif
 
-// The first texels of a segment.
+// What the place of a segment depends on, and its codes. The bits: 0 and 1, the start or the end is cut; 2, it is known
+// which side is the outside of a solid; 3 and 4, the normal of the face to the left or right points inwards.
 struct Segment {
     vec4 ends;
-    float halfWidth;    // negative if only the left side is drawn
-    vec3 sag;           // how far the middle is off the middle of the ends, in pixels; the same of the distances
-    int codes;          // bits 0 and 1: the start or the end is cut. 2: which side is the outside of a solid is known. 3 and
-                        // 4: the normal of the face to the left or right points inwards
+    float halfWidth; // negative if only the left side is drawn
+    vec3 sag;        // how far the middle is off the middle of the ends, in pixels; the same of the distances
+    int codes;
 };
 
 // The place of a parameter from 0 to 1, and the derivative.

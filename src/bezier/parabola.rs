@@ -21,6 +21,12 @@ impl Parabola {
         0.5 * (control - start.midpoint(end))
     }
 
+    /// Its point at a parameter.
+    pub(crate) fn at(&self, t: f64) -> DVec3 {
+        let [a, b, c] = self.points;
+        a.lerp(b, t).lerp(b.lerp(c, t), t)
+    }
+
     /// The control points of the part between two parameters.
     fn between(&self, [from, to]: [f64; 2]) -> [DVec3; 3] {
         let [a, b, c] = self.points;

@@ -153,18 +153,13 @@ impl Joint {
 }
 
 impl JointPiece {
-    /// Its point at half of its parameter.
-    fn middle_point(&self) -> DVec3 {
-        point_of(&self.points, 0.5)
-    }
-
     /// Where a range of pieces is half, and (u, v) of both faces there. All pieces have the same share of it.
     pub(crate) fn middle_of(pieces: &[Self]) -> (DVec3, [Vec2; 2]) {
         match &pieces[pieces.len() / 2] {
             piece if pieces.len().is_multiple_of(2) => {
                 (piece.points[0], piece.start.map(|beside| beside.share))
             }
-            piece => (piece.middle_point(), piece.middle),
+            piece => (point_of(&piece.points, 0.5), piece.middle),
         }
     }
 }

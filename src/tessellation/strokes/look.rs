@@ -13,8 +13,8 @@ const VARIED: f64 = 4.0;
 const MAX_DIVISIONS: u32 = 40;
 /// A part is divided into so many at most. More might be out of the picture.
 const MOST_PARTS: f64 = 16.0;
-/// The sag of a segment as a share of its length, at most: its direction differs by up to 27° from that of its ends, and
-/// Newton's method finds the nearest point.
+/// The sag of a segment as a share of its length, at most: its direction differs by up to 27° from that of the line
+/// between its ends, and Newton's method finds the nearest point.
 const MOST_SAG: f64 = 0.125;
 /// The sag of a segment times its length, at most, in square pixels: beyond this, a division costs less than the pixels
 /// that it saves.
@@ -151,6 +151,7 @@ impl StrokeView {
         Shape { ends, sag, off, drift }
     }
 
+    /// Appends the segments of a part that is a cubic.
     pub(super) fn add_part(
         &self,
         joint: &PlacedJoint<'_>,
@@ -225,8 +226,8 @@ mod tests {
             for seed in 0..200 {
                 let bow = bow(seed);
                 let shape = view.shape(&bow);
-                let [a, b, c] = bow.parabola.points;
-                let at = |t: f64| a.lerp(b, t).lerp(b.lerp(c, t), t);
+                let [a, _, c] = bow.parabola.points;
+                let at = |t: f64| bow.parabola.at(t);
                 let on_screen =
                     |s: f64| shape.ends[0].lerp(shape.ends[1], s) + 4.0 * s * (1.0 - s) * shape.sag;
                 for i in 0..=20 {

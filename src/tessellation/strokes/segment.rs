@@ -23,6 +23,7 @@ const KNOWS_OUTSIDE: u32 = 4;
 const INWARDS: [u32; 2] = [8, 16];
 /// The sine of the least angle to the line of sight at which a face clearly lies on one side of its edge.
 const CLEARLY: f64 = 0.1;
+
 /// A segment of a stroke, as `exact/stroke.vert` fetches it.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
@@ -80,7 +81,7 @@ impl StrokeView {
         at: f64,
     ) -> [Step; 2] {
         let [start, control, end] = bow.parabola.points;
-        let point = start.lerp(control, at).lerp(control.lerp(end, at), at);
+        let point = bow.parabola.at(at);
         let direction = (control - start).lerp(end - control, at);
         let along = shape.ends[1] - shape.ends[0] + 4.0 * (1.0 - 2.0 * at) * shape.sag;
         let left = along.perp().normalize_or_zero();
