@@ -209,7 +209,8 @@ pub(crate) fn sweep(folder: &Path, names: &HashSet<OsString>) {
     for entry in entries.filter(|entry| is_part_of(&entry.file_name(), names)) {
         let path = entry.path();
         // What cannot be opened, locked or removed is another program's, or gone.
-        if let Ok(file) = File::open(&path)
+        // For a lock, NFS asks for files that may be written.
+        if let Ok(file) = File::options().write(true).open(&path)
             && file.try_lock().is_ok()
         {
             let _ = std::fs::remove_file(&path);

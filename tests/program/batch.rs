@@ -214,6 +214,28 @@ fn resuming_keeps_what_is_whole_and_makes_the_rest_again() {
     assert_eq!(kept(&["--light", "thesis"]), set(&[]));
 }
 
+/// What is missing only leaves out materials. The picture is made again when it is there.
+#[test]
+fn a_missing_material_file_fails_no_picture() {
+    let folder = Folder::new();
+    let mesh = std::fs::read_to_string(resource("meshes/icosahedron.obj")).unwrap();
+    std::fs::create_dir(folder.path("in")).unwrap();
+    folder.write("in/a.obj", format!("mtllib gone.mtl\nusemtl red\n{mesh}"));
+    let run = || {
+        let arguments = ["render", "in", "-o", "out", "--resume"];
+        let output = folder.run(&[&arguments, &SMALL[..]].concat());
+        assert!(output.status.success(), "{output:?}");
+        let whole = std::fs::read(folder.path("out/a.png")).unwrap();
+        (text(&output.stdout).lines().any(|line| line.starts_with("kept")), whole)
+    };
+    let (kept, without) = run();
+    assert!(!kept);
+    assert_eq!(run(), (true, without.clone()));
+    folder.write("in/gone.mtl", "newmtl red\nKd 1 0 0\n");
+    let (kept, with) = run();
+    assert!(!kept && with != without);
+}
+
 #[test]
 fn the_log_has_a_line_for_each_picture() {
     let folder = with_scenes(2);

@@ -173,7 +173,7 @@ fn wrong_frames_are_refused_in_one_line() {
         ),
         (&["same.toml", "-o", "a.png"], 1, "same.toml:2: camera eye"),
         (&["none.toml", "-o", "a.png"], 1, "none.toml:2: missing field `time`"),
-        (&["through.toml", "--frames", "2"], 1, "camera eye is [0, 0, 0]"),
+        (&["through.toml", "--frames", "2"], 1, "through.toml, frame 2: camera eye is [0, 0, 0]"),
     ] {
         let output = folder.run(&[&["render"], arguments, &SIZE[..]].concat());
         let said = text(&output.stderr);

@@ -74,7 +74,9 @@ fn protect_sources(pictures: &mut [Picture], pool: &Pool) {
         ["toml", "obj"].iter().any(|name| extension.eq_ignore_ascii_case(name))
     };
     let inputs = pictures.iter().map(|picture| &picture.input).filter(|input| refers(input));
-    let tasks: Vec<Task> = inputs.cloned().map(Task::Survey).collect();
+    // A scene may have many frames.
+    let inputs: HashSet<&PathBuf> = inputs.collect();
+    let tasks: Vec<Task> = inputs.into_iter().cloned().map(Task::Survey).collect();
     let mut sources = HashSet::new();
     pool.run(&tasks, |_, reply| {
         if let Ok(Reply::Files(files)) = reply {

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -26,12 +26,13 @@ pub(super) struct Record {
     picture: String,
 }
 
-/// A file that a scene was read from.
+/// A file that a scene was read from, or looked for.
 #[derive(Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Source {
     /// Relative to the folder of the scene, if it was found from there.
     path: PathBuf,
-    sha256: String,
+    /// `None`: there was no such file.
+    sha256: Option<String>,
 }
 
 /// The folder of the records of the pictures in a folder.
@@ -86,13 +87,12 @@ impl Record {
         let now = SystemTime::now();
         let mut sources = Vec::with_capacity(files.len());
         for file in files {
-            let Digest { modified, sha256, .. } =
-                digests.of(file).map_err(|error| Error::file("read", file, error))?;
-            if (start..=now).contains(&modified) {
+            let digest = digests.of(file).map_err(|error| Error::file("read", file, error))?;
+            if digest.as_ref().is_some_and(|digest| (start..=now).contains(&digest.modified)) {
                 return Ok(None);
             }
             let path = file.strip_prefix(folder).unwrap_or(file).to_owned();
-            sources.push(Source { path, sha256 });
+            sources.push(Source { path, sha256: digest.map(|digest| digest.sha256) });
         }
         Ok(Some(Self {
             version: env!("CARGO_PKG_VERSION").into(),
@@ -119,7 +119,9 @@ impl Record {
             && std::fs::read(output)
                 .is_ok_and(|bytes| hex(&Sha256::digest(bytes)) == record.picture)
             && record.files.iter().all(|source| {
-                digests.of(&folder.join(&source.path)).is_ok_and(|now| now.sha256 == source.sha256)
+                digests
+                    .of(&folder.join(&source.path))
+                    .is_ok_and(|now| now.map(|now| now.sha256) == source.sha256)
             })
     }
 
@@ -148,20 +150,25 @@ struct Digest {
 pub(super) struct Digests(HashMap<PathBuf, Digest>);
 
 impl Digests {
-    fn of(&mut self, path: &Path) -> std::io::Result<Digest> {
-        let metadata = std::fs::metadata(path)?;
+    /// `None`: there is no such file.
+    fn of(&mut self, path: &Path) -> std::io::Result<Option<Digest>> {
+        let metadata = match std::fs::metadata(path) {
+            Ok(metadata) => metadata,
+            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(error),
+        };
         let (modified, length) = (metadata.modified()?, metadata.len());
         let known = self.0.get(path);
         if let Some(known) =
             known.filter(|known| known.modified == modified && known.length == length)
         {
-            return Ok(known.clone());
+            return Ok(Some(known.clone()));
         }
         let mut hasher = Sha256::new();
         std::io::copy(&mut File::open(path)?, &mut hasher)?;
         let digest = Digest { modified, length, sha256: hex(&hasher.finalize()) };
         self.0.insert(path.to_owned(), digest.clone());
-        Ok(digest)
+        Ok(Some(digest))
     }
 
     /// Forgets all files.
@@ -249,7 +256,7 @@ mod tests {
     fn digests_are_those_of_sha256sum() {
         let file = tempfile::NamedTempFile::new().unwrap();
         std::fs::write(file.path(), "x.png").unwrap();
-        let digest = Digests::default().of(file.path()).unwrap();
+        let digest = Digests::default().of(file.path()).unwrap().unwrap();
         assert!(digest.sha256.starts_with("3910c6508d0ae9c1470b97d3"), "{}", digest.sha256);
     }
 }

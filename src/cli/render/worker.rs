@@ -31,8 +31,10 @@ pub(super) fn serve(arguments: &RenderArguments) -> Result<()> {
     answer(&Reply::Ready)?;
     let is_busy = Arc::new(AtomicBool::new(false));
     for task in tasks(Arc::clone(&is_busy)) {
-        answer(&worker.carry_out(&task))?;
+        let reply = worker.carry_out(&task);
+        // Once it is answered, the next task may begin.
         is_busy.store(false, Ordering::SeqCst);
+        answer(&reply)?;
     }
     Ok(())
 }
@@ -131,9 +133,10 @@ impl<'a> Worker<'a> {
         forget_peak_memory();
         let mut times = Times::default();
         // Frames of one scene mostly follow each other.
-        let mut loaded = match self.loaded.take() {
-            Some(loaded) if loaded.input == input => loaded,
-            _ => self.load(input, &mut times)?,
+        let known = self.loaded.take().filter(|loaded| loaded.input == input);
+        let mut loaded = match known {
+            Some(loaded) => loaded,
+            None => self.load(input, &mut times)?,
         };
         let target = Output::File(output.to_owned());
         target.check_keeps(&loaded.scene.files)?;
@@ -206,7 +209,10 @@ impl Loaded {
                     self.turntable.get_or_insert_with(|| self.scene.turntable(axis, aspect));
                 Some(table.at((f64::from(frame) - 1.0) / f64::from(frames)))
             }
-            None => self.scene.camera_at(frame.into())?,
+            None => {
+                let place = || format!("{}, frame {frame}", self.input.display());
+                self.scene.camera_at(frame.into()).map_err(|error| error.within(place()))?
+            }
         };
         if camera.is_none() {
             let name = format!("--frames for {}", self.input.display());
